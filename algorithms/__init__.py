@@ -1,0 +1,1 @@
+"""The learners, pure of Ray, SQL and HTTP."""

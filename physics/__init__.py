@@ -1,0 +1,1 @@
+"""The tasks: exact simulators, their derivatives, their Gymnasium face."""

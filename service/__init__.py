@@ -1,0 +1,1 @@
+"""The service: queue, store, REST, command line."""

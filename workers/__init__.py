@@ -1,0 +1,1 @@
+"""A run as a value, running it, and the Ray actor that does."""
