@@ -1,0 +1,79 @@
+# d3pg: two commands do everything, set-up included.
+#
+#   make demo    the service, a local Ray and a demo sweep that trains for real
+#   make test    every check and every test
+#
+# Also: make bench (speed beside peers), make test-slow (learning curves, minutes),
+#       make format, make check (static only), make clean.
+
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+PIP    := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+PYTEST := $(BIN)/python -m pytest
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test test-slow check fast cluster browser bench format clean
+
+help:
+	@sed -n '3,8s/^# \{0,1\}//p' Makefile
+
+# torch goes first and alone: its CPU build is what everything else must find already there.
+$(VENV)/installed: pyproject.toml hatch_build.py
+	@$(PYTHON) -c 'import sys; v = sys.version_info[:2]; v >= (3, 11) or sys.exit("d3pg needs Python 3.11 or newer; this is %d.%d. Name another: make PYTHON=python3.12 ..." % v)'
+	@echo "== Setting up $(VENV) (once; a few minutes)"
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	@echo "   torch, CPU build"; $(PIP) 'torch~=2.13.0'
+	@echo "   d3pg and what it needs"; $(PIP) --editable .
+	@touch $@
+
+$(VENV)/installed-dev: $(VENV)/installed
+	@echo "== Installing what the tests need"
+	@$(PIP) --editable '.[dev]'
+	@touch $@
+
+$(VENV)/installed-peers: $(VENV)/installed-dev
+	@echo "== Installing the peers of the benchmarks"
+	@$(PIP) --editable '.[dev,peers]'
+	@touch $@
+
+demo: $(VENV)/installed
+	@$(BIN)/d3pg demo
+
+test: check fast cluster browser
+
+check: $(VENV)/installed-dev
+	@echo "== Format, lint, types, import contracts"
+	@$(BIN)/ruff format --check .
+	@$(BIN)/ruff check .
+	@$(BIN)/mypy
+	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/lint-imports
+
+fast: $(VENV)/installed-dev
+	@echo "== Tests: fast"
+	@$(PYTEST) -m "not slow and not cluster and not browser"
+
+cluster: $(VENV)/installed-dev
+	@echo "== Tests: with a real local Ray"
+	@$(PYTEST) -m "cluster and not slow and not browser"
+
+browser: $(VENV)/installed-dev
+	@echo "== Tests: in a real Chromium"
+	@command -v chromium >/dev/null || { echo "   installing Debian's chromium"; \
+	  SUDO=$$(test "$$(id -u)" = 0 || echo sudo); \
+	  $$SUDO apt-get update -qq && $$SUDO apt-get install -y -qq chromium >/dev/null; }
+	@$(PYTEST) -m "browser and not slow"
+
+test-slow: $(VENV)/installed-dev
+	@echo "== Tests: slow (minutes)"
+	@$(PYTEST) -m slow --timeout 3600
+
+bench: $(VENV)/installed-peers
+	@for file in benchmarks/[a-z]*.py; do echo "== $$file"; $(BIN)/python $$file || exit 1; done
+
+format: $(VENV)/installed-dev
+	@$(BIN)/ruff format .
+	@$(BIN)/ruff check --fix .
+
+clean:
+	rm -rf $(VENV) web/static/vendor .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

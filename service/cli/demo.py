@@ -1,0 +1,93 @@
+"""`d3pg demo`: the whole system at once, for a first look.
+
+Starts the service as a child process (embedded SQLite, a local Ray on two cores), waits until
+it answers, submits the demo sweep (or goes on with one that was interrupted), prints the link
+that signs a browser in, follows the training, and keeps the dashboard up until Ctrl-C.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from typing import Any
+
+from rich.console import Console
+
+from service.cli.following import follow
+from service.client import Client, ServiceError, has_ended
+
+DEMO_SWEEP: dict[str, Any] = {
+    "name": "demo",
+    "algorithms": [{"name": "ddpg"}, {"name": "hybrid-ddpg"}],
+    "environments": ["MassPoint", "Pendulum"],
+    "seeds": 4,
+    "timesteps": 12_000,
+}
+START_SECONDS = 60.0
+STOP_SECONDS = 20.0
+
+
+def run(console: Console, once: bool) -> int:
+    """Run the demo; the exit code. Ctrl-C, or with `once` the sweep's end, ends the service."""
+    environment = {"D3PG_WORKERS": "2"} | os.environ
+    service = subprocess.Popen([sys.executable, "-m", "service"], env=environment)
+    try:
+        client = connect(service)
+        sweep_id = demo_sweep(client)
+        console.print(f"\n  The curves, live:  {sign_in_link(client, sweep_id)}\n", soft_wrap=True)
+        code = follow(client, sweep_id, console)
+        if once:
+            return code
+        console.print("\nDone. The dashboard stays up until Ctrl-C.")
+        return service.wait()
+    except KeyboardInterrupt:
+        return 0
+    finally:
+        stop(service)
+        console.print("Stopped. Everything measured is kept in d3pg-data/.")
+
+
+def connect(service: subprocess.Popen[bytes]) -> Client:
+    """A client of the service that is starting; raises ServiceError if it does not come up."""
+    deadline = time.monotonic() + START_SECONDS
+    while time.monotonic() < deadline:
+        if service.poll() is not None:
+            raise ServiceError(
+                f"The service ended while starting (exit code {service.returncode}); "
+                "its message stands above."
+            )
+        try:
+            client = Client()
+            client.readiness()
+        except ServiceError:
+            time.sleep(0.2)
+        else:
+            return client
+    raise ServiceError(f"The service did not answer within {START_SECONDS:g} s.")
+
+
+def demo_sweep(client: Client) -> str:
+    """The id of the demo sweep to follow: an unfinished one, else a new one."""
+    for sweep in client.sweeps():
+        if sweep["name"] == DEMO_SWEEP["name"] and not has_ended(sweep):
+            return str(sweep["id"])
+    return str(client.submit(DEMO_SWEEP)["id"])
+
+
+def sign_in_link(client: Client, sweep_id: str) -> str:
+    """The link that signs a browser in and opens the sweep."""
+    return f"{client.url}/signin?token={client.token}&next=/sweeps/{sweep_id}"
+
+
+def stop(service: subprocess.Popen[bytes]) -> None:
+    """End the service as Ctrl-C would; kill it only if it does not go."""
+    if service.poll() is None:
+        service.send_signal(signal.SIGINT)
+    try:
+        service.wait(STOP_SECONDS)
+    except subprocess.TimeoutExpired:
+        service.kill()
+        service.wait()
