@@ -1,0 +1,43 @@
+"""A claim: one worker's right to train a cohort for as long as it keeps the lease."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from workers.run_spec import RunSpec
+
+
+@dataclass(frozen=True)
+class ClaimedRun:
+    """A run under the attempt that this claim opened."""
+
+    run_id: str
+    attempt: int
+    spec: RunSpec
+
+
+@dataclass(frozen=True)
+class Claim:
+    """Runs of one cell, claimed together.
+
+    Every write under the claim carries the attempts and is refused for a run whose attempt has
+    moved on (fencing), so a worker that was given up cannot write over its successor.
+    """
+
+    worker: str
+    lease_seconds: float
+    runs: tuple[ClaimedRun, ...]
+
+    @property
+    def by_seed(self) -> Mapping[int, ClaimedRun]:
+        """The runs by their seed, which is what a worker calls them."""
+        return {run.spec.seed: run for run in self.runs}
+
+    @property
+    def specs(self) -> tuple[RunSpec, ...]:
+        """What the worker is to train."""
+        return tuple(run.spec for run in self.runs)
+
+    def only(self, run_ids: frozenset[str] | set[str]) -> "Claim":
+        """Return the claim on those of its runs alone."""
+        kept = tuple(run for run in self.runs if run.run_id in run_ids)
+        return Claim(self.worker, self.lease_seconds, kept)

@@ -1,0 +1,22 @@
+"""Something that changed, in the order it was committed."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Event:
+    """One change.
+
+    kind     "sweep" (created, cancelled), "run" (its status changed) or "measurements" (a run
+             has new ones)
+    payload  always sweep_id; sweep: change; run: run_id, status, reason, attempt, timestep;
+             measurements: run_id, from, to (timesteps, both inclusive)
+    """
+
+    id: int
+    sweep_id: str
+    kind: str
+    payload: Mapping[str, Any]
+    created_at: float

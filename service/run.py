@@ -1,0 +1,83 @@
+"""A run of a sweep, as the store knows it, and the states it goes through.
+
+queued -> running -> succeeded | failed | diverged | cancelled
+   ^---------'  (its worker was lost, or its lease expired)
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+from workers.run_spec import RunSpec
+
+
+class RunStatus(StrEnum):
+    """Where a run stands. Final states never change."""
+
+    QUEUED = "queued"
+    """Waits for a worker. Also after a worker was lost, with the reason and a later start."""
+    RUNNING = "running"
+    """Claimed: one worker holds its lease under the current attempt."""
+    SUCCEEDED = "succeeded"
+    """Reached its timesteps."""
+    FAILED = "failed"
+    """An error in code, or lost too many workers in a row; the attempts say which."""
+    DIVERGED = "diverged"
+    """A loss or parameter stopped being finite. It would again, so it is never tried again."""
+    CANCELLED = "cancelled"
+    """Somebody asked for it."""
+
+    @property
+    def is_final(self) -> bool:
+        """Whether the run has ended."""
+        return self not in ACTIVE
+
+
+ACTIVE = frozenset({RunStatus.QUEUED, RunStatus.RUNNING})
+FINAL = frozenset(RunStatus) - ACTIVE
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run. Times are seconds since 1970 by the database's clock.
+
+    attempt             how often it was claimed; writes under an older number are refused
+    timestep            environment steps reached by the current attempt
+    reason              why it stands where it stands, a sentence; empty while all is well
+    is_cancelling       cancelling was asked for and its worker has not stopped yet
+    environment_version version of the task's numbers under which it was submitted
+    fingerprint         of the machine and code that trains it; None before the first report
+    """
+
+    id: str
+    sweep_id: str
+    spec: RunSpec
+    environment_version: int
+    status: RunStatus
+    reason: str
+    attempt: int
+    timestep: int
+    is_cancelling: bool
+    created_at: float
+    started_at: float | None
+    finished_at: float | None
+    fingerprint: Mapping[str, Any] | None
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """One claim of a run and how it ended.
+
+    outcome is "running", "succeeded", "failed", "diverged", "cancelled" or "lost" (the worker or
+    its lease); error is a traceback or a sentence, log_tail the last lines the worker printed.
+    """
+
+    attempt: int
+    worker: str
+    outcome: str
+    error: str
+    log_tail: str
+    started_at: float
+    ended_at: float | None
+    fingerprint: Mapping[str, Any] | None

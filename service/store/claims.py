@@ -1,0 +1,148 @@
+"""Claiming a cohort, and what is still held of a claim.
+
+A claim raises each run's `attempt` and starts a lease by the database's clock, from the first
+instant. Every later write under the claim picks its runs by attempt and status, so that a worker
+that was given up changes nothing (fencing), and no run that has ended changes again.
+"""
+
+from typing import Any
+
+from sqlalchemy import (
+    ColumnElement,
+    Connection,
+    Row,
+    Select,
+    exists,
+    func,
+    insert,
+    select,
+    update,
+)
+
+from service.claim import Claim, ClaimedRun
+from service.run import RunStatus
+from service.store import events
+from service.store.column_types import now
+from service.store.runs import run_name, spec_of
+from service.store.tables import attempts, runs, sweeps
+
+ALONE_AFTER = 2
+"""A run that lost this many workers in a row trains alone, so as to take no neighbour with it."""
+
+
+def claim(connection: Connection, worker: str, lease_seconds: float, limit: int) -> Claim | None:
+    """Claim up to `limit` queued runs of one cell, or None when nothing waits.
+
+    The sweep: highest priority, then fewest running runs, then longest not served, then oldest.
+    In it: the first waiting run, and others of its cell.
+    """
+    is_waiting = (runs.c.status == RunStatus.QUEUED) & (runs.c.not_before <= now())
+    of_sweep = runs.c.sweep_number == sweeps.c.number
+    running = (
+        select(func.count())
+        .where(of_sweep, runs.c.status == RunStatus.RUNNING)
+        .correlate(sweeps)
+        .scalar_subquery()
+    )
+    sweep = connection.execute(
+        select(sweeps.c.number, sweeps.c.id)
+        .where(exists().where(of_sweep, is_waiting).correlate(sweeps))
+        .order_by(sweeps.c.priority.desc(), running, sweeps.c.last_claimed_at, sweeps.c.number)
+        .limit(1)
+    ).one_or_none()
+    if sweep is None:
+        return None
+    numbers = _cohort(connection, (runs.c.sweep_number == sweep.number) & is_waiting, limit)
+    taken = connection.execute(
+        update(runs)
+        .where(runs.c.number.in_(numbers), runs.c.status == RunStatus.QUEUED)
+        .values(
+            status=RunStatus.RUNNING,
+            reason="",
+            attempt=runs.c.attempt + 1,
+            timestep=0,
+            lease_until=now() + lease_seconds,
+            started_at=func.coalesce(runs.c.started_at, now()),
+        )
+        .returning(runs)
+    ).all()
+    taken = sorted(taken, key=lambda row: row.ordinal)
+    connection.execute(
+        update(sweeps).where(sweeps.c.number == sweep.number).values(last_claimed_at=now())
+    )
+    connection.execute(
+        insert(attempts),
+        [{"run_number": row.number, "attempt": row.attempt, "worker": worker} for row in taken],
+    )
+    events.append(
+        connection,
+        [
+            events.run_changed(
+                sweep.number,
+                run_name(sweep.id, row.ordinal),
+                status=RunStatus.RUNNING,
+                reason="",
+                attempt=row.attempt,
+                timestep=row.timestep,
+            )
+            for row in taken
+        ],
+    )
+    return Claim(
+        worker,
+        lease_seconds,
+        tuple(
+            ClaimedRun(run_name(sweep.id, row.ordinal), row.attempt, spec_of(row)) for row in taken
+        ),
+    )
+
+
+def _cohort(connection: Connection, is_waiting: ColumnElement[bool], limit: int) -> list[int]:
+    first = connection.execute(
+        select(runs.c.number, runs.c.cell, runs.c.losses)
+        .where(is_waiting)
+        .order_by(runs.c.ordinal)
+        .limit(1)
+    ).one()
+    if first.losses >= ALONE_AFTER:
+        return [first.number]
+    query = (
+        select(runs.c.number)
+        .where(is_waiting, runs.c.cell == first.cell, runs.c.losses < ALONE_AFTER)
+        .order_by(runs.c.ordinal)
+        .limit(limit)
+    )
+    return list(connection.scalars(query))
+
+
+def held_runs(connection: Connection, claim: Claim) -> dict[str, Row[Any]]:
+    """Return the rows of the claim's runs that are still its own, by name."""
+    claimed = {run.run_id: run.attempt for run in claim.runs}
+    if not claimed:
+        return {}
+    sweep_id = claim.runs[0].run_id.partition("-")[0]
+    ordinals = [int(run_id.partition("-")[2]) for run_id in claimed]
+    rows = connection.execute(
+        held_rows().where(
+            sweeps.c.id == sweep_id,
+            runs.c.ordinal.in_(ordinals),
+            runs.c.status == RunStatus.RUNNING,
+        )
+    )
+    found = {run_name(sweep_id, row.ordinal): row for row in rows}
+    return {run_id: row for run_id, row in found.items() if row.attempt == claimed[run_id]}
+
+
+def held_rows() -> Select[Any]:
+    """Select runs with their sweep's name."""
+    return select(runs, sweeps.c.id.label("sweep_id")).join(
+        sweeps, sweeps.c.number == runs.c.sweep_number
+    )
+
+
+def waiting(connection: Connection) -> int:
+    """Return how many runs could be claimed now."""
+    query = select(func.count()).where(
+        runs.c.status == RunStatus.QUEUED, runs.c.not_before <= now()
+    )
+    return connection.scalar(query) or 0

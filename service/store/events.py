@@ -1,0 +1,75 @@
+"""The log of changes. Every change appends its event in its own transaction."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from sqlalchemy import Connection, func, insert, select
+
+from service.event import Event
+from service.run import RunStatus
+from service.store.tables import events, sweeps
+
+Entry = Mapping[str, Any]
+
+
+def sweep_changed(sweep_number: int, sweep_id: str, change: str) -> Entry:
+    """Return the entry for a sweep that was created or cancelled."""
+    payload = {"sweep_id": sweep_id, "change": change}
+    return {"sweep_number": sweep_number, "kind": "sweep", "payload": payload}
+
+
+def run_changed(
+    sweep_number: int,
+    run_id: str,
+    *,
+    status: RunStatus,
+    reason: str,
+    attempt: int,
+    timestep: int,
+) -> Entry:
+    """Return the entry for a run whose status changed."""
+    payload = {
+        "sweep_id": run_id.partition("-")[0],
+        "run_id": run_id,
+        "status": status.value,
+        "reason": reason,
+        "attempt": attempt,
+        "timestep": timestep,
+    }
+    return {"sweep_number": sweep_number, "kind": "run", "payload": payload}
+
+
+def measured(sweep_number: int, run_id: str, first: int, last: int) -> Entry:
+    """Return the entry for new measurements of a run, from one timestep to another, inclusive."""
+    sweep_id = run_id.partition("-")[0]
+    payload = {"sweep_id": sweep_id, "run_id": run_id, "from": first, "to": last}
+    return {"sweep_number": sweep_number, "kind": "measurements", "payload": payload}
+
+
+def append(connection: Connection, entries: Sequence[Entry]) -> None:
+    """Append entries in their order."""
+    if entries:
+        connection.execute(insert(events), list(entries))
+
+
+def after(connection: Connection, event_id: int, sweep_id: str | None, limit: int) -> list[Event]:
+    """Return the oldest events after one, of one sweep or of all."""
+    query = (
+        select(events, sweeps.c.id.label("sweep_id"))
+        .join(sweeps, sweeps.c.number == events.c.sweep_number)
+        .where(events.c.id > event_id)
+        .order_by(events.c.id)
+        .limit(limit)
+    )
+    if sweep_id is not None:
+        number = select(sweeps.c.number).where(sweeps.c.id == sweep_id).scalar_subquery()
+        query = query.where(events.c.sweep_number == number)
+    return [
+        Event(row.id, row.sweep_id, row.kind, row.payload, row.created_at)
+        for row in connection.execute(query)
+    ]
+
+
+def last_id(connection: Connection) -> int:
+    """Return the newest event's id, 0 when there is none."""
+    return connection.scalar(select(func.max(events.c.id))) or 0

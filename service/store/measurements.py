@@ -1,0 +1,188 @@
+"""Measurements: adding new ones, reading one run's, reading a whole sweep's as columns."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from sqlalchemy import Column, Connection, Double, Row, insert, select, type_coerce
+
+from algorithms.measurement import Measurement
+from service.run import RunStatus
+from service.run_curve import RunCurve
+from service.store import diagnostics
+from service.store.runs import named, run_name, spec_of
+from service.store.tables import measurements, runs, sweeps
+
+METRICS = ("return_mean", "return_history")
+ABSCISSAE: Mapping[str, Column[Any]] = {
+    "timesteps": measurements.c.timestep,
+    "updates": measurements.c.updates,
+    "jacobians": measurements.c.jacobians,
+    "seconds": measurements.c.seconds,
+}
+
+
+def add(
+    connection: Connection, taken: Sequence[tuple[int, Measurement]]
+) -> list[tuple[int, Measurement]]:
+    """Write measurements (run number, measurement) and return those that were new.
+
+    A run has one measurement at a timestep: the first one written stays.
+    """
+    if not taken:
+        return []
+    timesteps = [measurement.timestep for _, measurement in taken]
+    known = {
+        (number, timestep)
+        for number, timestep in connection.execute(
+            select(measurements.c.run_number, measurements.c.timestep).where(
+                measurements.c.run_number.in_({number for number, _ in taken}),
+                measurements.c.timestep.between(min(timesteps), max(timesteps)),
+            )
+        )
+    }
+    fresh: dict[tuple[int, int], Measurement] = {}
+    for number, measurement in taken:
+        key = (number, measurement.timestep)
+        if key not in known:
+            fresh.setdefault(key, measurement)
+    if fresh:
+        _insert(connection, fresh)
+    return [(number, measurement) for (number, _), measurement in fresh.items()]
+
+
+def _insert(connection: Connection, fresh: Mapping[tuple[int, int], Measurement]) -> None:
+    set_numbers: dict[tuple[str, ...], int] = {}
+    rows = []
+    for (number, timestep), measurement in fresh.items():
+        names = tuple(measurement.diagnostics)
+        if names not in set_numbers:
+            set_numbers[names] = diagnostics.set_number(connection, names)
+        rows.append(
+            {
+                "run_number": number,
+                "timestep": timestep,
+                "return_mean": measurement.return_mean,
+                "return_history": measurement.return_history,
+                "updates": measurement.updates,
+                "jacobians": measurement.jacobians,
+                "seconds": measurement.seconds,
+                "diagnostic_set": set_numbers[names],
+                "diagnostics": diagnostics.pack(measurement.diagnostics),
+            }
+        )
+    connection.execute(insert(measurements), rows)
+
+
+def of_run(connection: Connection, run_id: str) -> list[Measurement]:
+    """Return every measurement of a run, in order of timestep."""
+    query = (
+        select(measurements, runs.c.seed)
+        .join(runs, runs.c.number == measurements.c.run_number)
+        .join(sweeps, sweeps.c.number == runs.c.sweep_number)
+        .where(named(run_id))
+        .order_by(measurements.c.timestep)
+    )
+    names = diagnostics.sets(connection)
+    return [
+        Measurement(
+            seed=row.seed,
+            timestep=row.timestep,
+            return_mean=row.return_mean,
+            return_history=row.return_history,
+            updates=row.updates,
+            jacobians=row.jacobians,
+            seconds=row.seconds,
+            diagnostics=diagnostics.unpack(names[row.diagnostic_set], row.diagnostics),
+        )
+        for row in connection.execute(query)
+    ]
+
+
+def diagnostic_names(connection: Connection, sweep_id: str) -> list[str]:
+    """Return the names of all diagnostics that runs of the sweep have measured."""
+    used = (
+        select(measurements.c.diagnostic_set)
+        .join(runs, runs.c.number == measurements.c.run_number)
+        .join(sweeps, sweeps.c.number == runs.c.sweep_number)
+        .where(sweeps.c.id == sweep_id)
+        .distinct()
+    )
+    names = diagnostics.sets(connection)
+    return list(
+        dict.fromkeys(name for number in connection.scalars(used) for name in names[number])
+    )
+
+
+def curves(connection: Connection, sweep_id: str, metric: str, x: str) -> list[RunCurve]:
+    """Return a metric of every run of the sweep, in the order of the runs.
+
+    metric is "return_mean", "return_history" or a diagnostic's name, x one of ABSCISSAE. A run
+    without such measurements has an empty curve. Raises ValueError for another x.
+    """
+    if x not in ABSCISSAE:
+        raise ValueError(f"x is one of {', '.join(ABSCISSAE)}, got {x!r}")
+    numbers, abscissa, values = _points(connection, sweep_id, metric, ABSCISSAE[x])
+    listed = connection.execute(
+        select(runs)
+        .join(sweeps, sweeps.c.number == runs.c.sweep_number)
+        .where(sweeps.c.id == sweep_id)
+        .order_by(runs.c.ordinal)
+    ).all()
+    starts = np.searchsorted(numbers, [row.number for row in listed], side="left")
+    ends = np.searchsorted(numbers, [row.number for row in listed], side="right")
+    return [
+        _curve(row, sweep_id, abscissa[start:end], values[start:end])
+        for row, start, end in zip(listed, starts, ends, strict=True)
+    ]
+
+
+def _points(
+    connection: Connection, sweep_id: str, metric: str, x: Column[Any]
+) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
+    """All points of a sweep, in order of run and timestep: run number, x, value, each [n]."""
+    value: Column[Any] = measurements.c[metric] if metric in METRICS else measurements.c.diagnostics
+    is_plain = metric in METRICS
+    query = (
+        select(
+            measurements.c.run_number,
+            type_coerce(x, Double),  # NULL stays None, which numpy reads as NaN
+            type_coerce(value, Double) if is_plain else value,
+            measurements.c.diagnostic_set,
+        )
+        .join(runs, runs.c.number == measurements.c.run_number)
+        .join(sweeps, sweeps.c.number == runs.c.sweep_number)
+        .where(sweeps.c.id == sweep_id)
+        .order_by(measurements.c.run_number, measurements.c.timestep)
+    )
+    names = {} if is_plain else diagnostics.sets(connection)
+    if not is_plain:
+        holding = [number for number, listed in names.items() if metric in listed]
+        query = query.where(measurements.c.diagnostic_set.in_(holding))
+    rows = connection.execute(query).all()
+    if not rows:
+        return np.empty(0, np.int64), np.empty(0), np.empty(0)
+    run_numbers, abscissa, found, in_set = zip(*rows, strict=True)
+    if is_plain:
+        values = np.array(found, np.float64)
+    else:
+        values = np.empty(len(found))
+        for number in set(in_set):
+            places = np.flatnonzero(np.array(in_set) == number)
+            packed = [found[place] for place in places]
+            values[places] = diagnostics.column(names[number], metric, packed)
+    return np.array(run_numbers, np.int64), np.array(abscissa, np.float64), values
+
+
+def _curve(
+    row: Row[Any], sweep_id: str, x: NDArray[np.float64], values: NDArray[np.float64]
+) -> RunCurve:
+    return RunCurve(
+        run_id=run_name(sweep_id, row.ordinal),
+        spec=spec_of(row),
+        environment_version=row.environment_version,
+        status=RunStatus(row.status),
+        x=x,
+        values=values,
+    )

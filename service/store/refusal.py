@@ -1,0 +1,13 @@
+"""What the store says no to."""
+
+
+class NotFoundError(LookupError):
+    """There is no sweep or run of that name."""
+
+
+class ImpossibleMoveError(ValueError):
+    """The run or sweep is in a state that this move does not start from; the text says which."""
+
+
+class UnsafeSQLiteError(RuntimeError):
+    """This SQLite can corrupt the database."""

@@ -1,0 +1,201 @@
+"""Runs: reading them, and cancelling."""
+
+from typing import Any
+
+from sqlalchemy import ColumnElement, Connection, Row, Select, select, update
+
+from service.run import Attempt, Run, RunStatus
+from service.store import events
+from service.store.column_types import now
+from service.store.refusal import ImpossibleMoveError, NotFoundError
+from service.store.tables import attempts, runs, sweeps
+from workers.run_spec import RunSpec
+
+
+def find(connection: Connection, run_id: str) -> Run | None:
+    """Return one run, or None."""
+    row = connection.execute(_select().where(named(run_id))).one_or_none()
+    return None if row is None else _run(row)
+
+
+def get(connection: Connection, run_id: str) -> Run:
+    """Return one run. Raises NotFoundError."""
+    run = find(connection, run_id)
+    if run is None:
+        raise NotFoundError(f"there is no run {run_id!r}")
+    return run
+
+
+def page(
+    connection: Connection,
+    sweep_id: str,
+    *,
+    status: RunStatus | None,
+    algorithm: str | None,
+    environment: str | None,
+    after: str | None,
+    limit: int,
+) -> list[Run]:
+    """Return runs of a sweep in their order, from the one that follows the run named `after`."""
+    query = _select().where(sweeps.c.id == sweep_id).order_by(runs.c.ordinal).limit(limit)
+    if status is not None:
+        query = query.where(runs.c.status == status)
+    if algorithm is not None:
+        query = query.where(runs.c.algorithm == algorithm)
+    if environment is not None:
+        query = query.where(runs.c.environment == environment)
+    if after is not None:
+        query = query.where(runs.c.ordinal > _ordinal(after))
+    return [_run(row) for row in connection.execute(query)]
+
+
+def history(connection: Connection, run_id: str) -> list[Attempt]:
+    """Return every attempt of a run, the first one first."""
+    query = (
+        select(attempts)
+        .join(runs, runs.c.number == attempts.c.run_number)
+        .join(sweeps, sweeps.c.number == runs.c.sweep_number)
+        .where(named(run_id))
+        .order_by(attempts.c.attempt)
+    )
+    return [
+        Attempt(
+            attempt=row.attempt,
+            worker=row.worker,
+            outcome=row.outcome,
+            error=row.error,
+            log_tail=row.log_tail,
+            started_at=row.started_at,
+            ended_at=row.ended_at,
+            fingerprint=row.fingerprint,
+        )
+        for row in connection.execute(query)
+    ]
+
+
+def cancel(connection: Connection, run_id: str) -> Run:
+    """Cancel a run: at once while it is queued, by its worker while it runs.
+
+    Again is no error. Raises NotFoundError, or ImpossibleMoveError when it ended otherwise.
+    """
+    run = get(connection, run_id)
+    if run.status is RunStatus.CANCELLED or run.is_cancelling:
+        return run
+    if run.status.is_final:
+        raise ImpossibleMoveError(f"run {run_id} has already {_ENDED[run.status]}")
+    number = connection.scalars(_numbers().where(named(run_id))).one()
+    if run.status is RunStatus.QUEUED:
+        end_queued(connection, runs.c.number == number, "cancelled before it started")
+    else:
+        connection.execute(
+            update(runs)
+            .where(runs.c.number == number)
+            .values(is_cancelling=True, reason="cancelling: its worker has been told to stop")
+        )
+    return get(connection, run_id)
+
+
+def cancelling(connection: Connection) -> set[str]:
+    """Return the running runs whose workers are to stop them."""
+    query = (
+        select(sweeps.c.id, runs.c.ordinal)
+        .join(sweeps, sweeps.c.number == runs.c.sweep_number)
+        .where(runs.c.is_cancelling, runs.c.status == RunStatus.RUNNING)
+    )
+    return {run_name(sweep_id, ordinal) for sweep_id, ordinal in connection.execute(query)}
+
+
+def end_queued(connection: Connection, condition: ColumnElement[bool], reason: str) -> None:
+    """Cancel the queued runs that meet the condition."""
+    ended = connection.execute(
+        update(runs)
+        .where(condition, runs.c.status == RunStatus.QUEUED)
+        .values(status=RunStatus.CANCELLED, reason=reason, finished_at=now())
+        .returning(runs.c.sweep_number, runs.c.ordinal, runs.c.attempt, runs.c.timestep)
+    ).all()
+    names: dict[int, str] = dict(
+        connection.execute(
+            select(sweeps.c.number, sweeps.c.id).where(
+                sweeps.c.number.in_({row.sweep_number for row in ended})
+            )
+        )
+        .tuples()
+        .all()
+    )
+    events.append(
+        connection,
+        [
+            events.run_changed(
+                row.sweep_number,
+                run_name(names[row.sweep_number], row.ordinal),
+                status=RunStatus.CANCELLED,
+                reason=reason,
+                attempt=row.attempt,
+                timestep=row.timestep,
+            )
+            for row in sorted(ended, key=lambda row: row.ordinal)
+        ],
+    )
+
+
+def run_name(sweep_id: str, ordinal: int) -> str:
+    """Return the run's name."""
+    return f"{sweep_id}-{ordinal}"
+
+
+def named(run_id: str) -> ColumnElement[bool]:
+    """Return the condition that picks one run by its name; no run has a malformed name."""
+    return (sweeps.c.id == run_id.partition("-")[0]) & (runs.c.ordinal == _ordinal(run_id))
+
+
+def _ordinal(run_id: str) -> int:
+    digits = run_id.partition("-")[2]
+    is_canonical = digits.isascii() and digits.isdigit() and digits == str(int(digits[:10]))
+    return int(digits) if is_canonical and int(digits) < 2**31 else -1
+
+
+def _numbers() -> Select[tuple[int]]:
+    return select(runs.c.number).join(sweeps, sweeps.c.number == runs.c.sweep_number)
+
+
+def _select() -> Select[Any]:
+    return select(runs, sweeps.c.id.label("sweep_id")).join(
+        sweeps, sweeps.c.number == runs.c.sweep_number
+    )
+
+
+def _run(row: Row[Any]) -> Run:
+    return Run(
+        id=run_name(row.sweep_id, row.ordinal),
+        sweep_id=row.sweep_id,
+        spec=spec_of(row),
+        environment_version=row.environment_version,
+        status=RunStatus(row.status),
+        reason=row.reason,
+        attempt=row.attempt,
+        timestep=row.timestep,
+        is_cancelling=row.is_cancelling,
+        created_at=row.created_at,
+        started_at=row.started_at,
+        finished_at=row.finished_at,
+        fingerprint=row.fingerprint,
+    )
+
+
+def spec_of(row: Row[Any]) -> RunSpec:
+    """Read the spec off a row of `runs`."""
+    return RunSpec(
+        algorithm=row.algorithm,
+        environment=row.environment,
+        seed=row.seed,
+        weights=(row.w1, row.w2),
+        timesteps=row.timesteps,
+        config=row.config,
+    )
+
+
+_ENDED = {
+    RunStatus.SUCCEEDED: "succeeded",
+    RunStatus.FAILED: "failed",
+    RunStatus.DIVERGED: "diverged",
+}

@@ -1,0 +1,151 @@
+"""The tables.
+
+    sweeps 1-* runs 1-* attempts
+                    1-* measurements *-1 diagnostic_sets
+    events         what changed, in order; what the event stream reads
+    random_returns what uniform random actions earn, per environment version
+
+A run's name is "<sweep>-<ordinal>"; inside, rows are joined by integers. Times are float64 seconds
+since 1970 by the database's clock.
+"""
+
+from sqlalchemy import (
+    BigInteger,
+    Boolean,
+    CheckConstraint,
+    Column,
+    Double,
+    ForeignKey,
+    Index,
+    Integer,
+    LargeBinary,
+    MetaData,
+    Table,
+    Text,
+    UniqueConstraint,
+    text,
+)
+
+from service.store.column_types import Document, Exact, now
+
+metadata = MetaData(
+    naming_convention={
+        "ix": "ix_%(table_name)s_%(column_0_N_name)s",
+        "uq": "uq_%(table_name)s_%(column_0_N_name)s",
+        "ck": "ck_%(table_name)s_%(constraint_name)s",
+        "fk": "fk_%(table_name)s_%(column_0_name)s",
+        "pk": "pk_%(table_name)s",
+    }
+)
+
+# SQLite numbers rows by itself only where the column's type is exactly INTEGER.
+Number = BigInteger().with_variant(Integer, "sqlite")
+
+sweeps = Table(
+    "sweeps",
+    metadata,
+    Column("number", Number, primary_key=True, autoincrement=True),
+    Column("id", Text, nullable=False, unique=True),
+    Column("name", Text, nullable=False),
+    Column("priority", Integer, nullable=False),
+    Column("request", Document, nullable=False),
+    Column("created_at", Double, nullable=False, default=now()),
+    Column("last_claimed_at", Double, nullable=False, default=0.0),
+    Column("cancelled_at", Double),
+    sqlite_autoincrement=True,
+)
+
+runs = Table(
+    "runs",
+    metadata,
+    Column("number", Number, primary_key=True, autoincrement=True),
+    Column("sweep_number", ForeignKey(sweeps.c.number), nullable=False),
+    Column("ordinal", Integer, nullable=False),
+    Column("cell", Integer, nullable=False),  # numbers the cells of one sweep
+    Column("algorithm", Text, nullable=False),
+    Column("environment", Text, nullable=False),
+    Column("environment_version", Integer, nullable=False),
+    Column("seed", BigInteger, nullable=False),
+    Column("w1", Double, nullable=False),
+    Column("w2", Double, nullable=False),
+    Column("config", Document, nullable=False),
+    Column("timesteps", BigInteger, nullable=False),
+    Column("status", Text, nullable=False, default="queued"),
+    Column("reason", Text, nullable=False, default=""),
+    Column("attempt", Integer, nullable=False, default=0),
+    Column("timestep", BigInteger, nullable=False, default=0),
+    Column("is_cancelling", Boolean, nullable=False, default=False),
+    Column("losses", Integer, nullable=False, default=0),  # workers lost in a row
+    Column("not_before", Double, nullable=False, default=0.0),
+    Column("lease_until", Double),
+    Column("created_at", Double, nullable=False, default=now()),
+    Column("started_at", Double),
+    Column("finished_at", Double),
+    Column("fingerprint", Document),
+    UniqueConstraint("sweep_number", "ordinal"),
+    CheckConstraint("(status = 'running') = (lease_until IS NOT NULL)", name="lease"),
+    sqlite_autoincrement=True,
+)
+Index("ix_runs_claim", runs.c.sweep_number, runs.c.status, runs.c.ordinal)
+_running = text("status = 'running'")
+Index("ix_runs_lease", runs.c.lease_until, sqlite_where=_running, postgresql_where=_running)
+
+attempts = Table(
+    "attempts",
+    metadata,
+    Column("run_number", ForeignKey(runs.c.number), primary_key=True),
+    Column("attempt", Integer, primary_key=True),
+    Column("worker", Text, nullable=False),
+    Column("outcome", Text, nullable=False, default="running"),
+    Column("error", Text, nullable=False, default=""),
+    Column("log_tail", Text, nullable=False, default=""),
+    Column("started_at", Double, nullable=False, default=now()),
+    Column("ended_at", Double),
+    Column("fingerprint", Document),
+)
+
+diagnostic_sets = Table(
+    "diagnostic_sets",
+    metadata,
+    Column("number", Number, primary_key=True, autoincrement=True),
+    Column("names", Text, nullable=False, unique=True),  # a JSON list
+)
+
+measurements = Table(
+    "measurements",
+    metadata,
+    Column("run_number", ForeignKey(runs.c.number), primary_key=True),
+    Column("timestep", BigInteger, primary_key=True, autoincrement=False),
+    Column("return_mean", Exact),
+    Column("return_history", Exact),
+    Column("updates", BigInteger, nullable=False),
+    Column("jacobians", BigInteger, nullable=False),
+    Column("seconds", Exact),
+    Column("diagnostic_set", ForeignKey(diagnostic_sets.c.number), nullable=False),
+    Column("diagnostics", LargeBinary, nullable=False),  # little-endian float64, in its set's order
+    sqlite_with_rowid=False,
+)
+
+events = Table(
+    "events",
+    metadata,
+    Column("id", Number, primary_key=True, autoincrement=True),
+    Column("sweep_number", ForeignKey(sweeps.c.number), nullable=False),
+    Column("kind", Text, nullable=False),
+    Column("payload", Document, nullable=False),
+    Column("created_at", Double, nullable=False, default=now()),
+    sqlite_autoincrement=True,
+)
+Index("ix_events_sweep_number_id", events.c.sweep_number, events.c.id)
+
+random_returns = Table(
+    "random_returns",
+    metadata,
+    Column("environment", Text, primary_key=True),
+    Column("version", Integer, primary_key=True, autoincrement=False),
+    Column("mean", Double, nullable=False),
+    Column("low", Double, nullable=False),
+    Column("high", Double, nullable=False),
+    Column("episodes", Integer, nullable=False),
+    Column("measured_at", Double, nullable=False, default=now()),
+)

@@ -1,0 +1,98 @@
+"""The one thread that writes.
+
+Units of work queue up while a commit is under way and are committed together by the next one
+(group commit), each inside its own savepoint: a unit that refuses is rolled back alone. A unit's
+result is given out after the commit that makes it durable, never before.
+"""
+
+import queue
+import threading
+from collections.abc import Callable
+from concurrent.futures import Future
+from typing import Any, TypeVar
+
+from sqlalchemy import Connection, Engine
+from sqlalchemy.exc import SQLAlchemyError
+
+Result = TypeVar("Result")
+Unit = Callable[[Connection], Any]
+Pending = tuple[Unit, Future[Any]]
+
+GROUP_LIMIT = 256  # units in one transaction, so that none waits long for its neighbours
+
+
+class Writer:
+    """Runs units of work on the engine's connection, one after the other."""
+
+    def __init__(self, engine: Engine) -> None:
+        """Start the thread."""
+        self._engine = engine
+        self._units: queue.SimpleQueue[Pending | None] = queue.SimpleQueue()
+        self._is_closed = False
+        self._lock = threading.Lock()
+        self._thread = threading.Thread(target=self._work, name="store writer", daemon=True)
+        self._thread.start()
+
+    def write(self, unit: Callable[[Connection], Result]) -> Result:
+        """Run the unit, wait until it is committed, and return what it returned or raise."""
+        future: Future[Result] = Future()
+        with self._lock:
+            if self._is_closed:
+                raise RuntimeError("the store is closed")
+            self._units.put((unit, future))
+        return future.result()
+
+    def close(self) -> None:
+        """Commit what is queued, then stop."""
+        with self._lock:
+            if not self._is_closed:
+                self._is_closed = True
+                self._units.put(None)
+        self._thread.join()
+
+    def _work(self) -> None:
+        is_open = True
+        while is_open and (first := self._units.get()) is not None:
+            group = [first]
+            while len(group) < GROUP_LIMIT and not self._units.empty():
+                if (another := self._units.get()) is None:
+                    is_open = False
+                    break
+                group.append(another)
+            self._commit(group)
+
+    def _commit(self, group: list[Pending]) -> None:
+        """Commit a group. Where the database itself failed one unit, each goes alone.
+
+        A database error can end the whole transaction (SQLite rolls it back when the disk is
+        full), so nothing may be kept of the group: not the units before it either.
+        """
+        outcomes: list[tuple[Future[Any], Any, Exception | None]] = []
+        has_run = False
+        try:
+            with self._engine.begin() as connection:
+                for unit, future in group:
+                    outcomes.append((future, *_attempt(connection, unit)))
+                has_run = True
+        except Exception as error:
+            if not has_run and len(group) > 1:
+                for alone in group:
+                    self._commit([alone])
+                return
+            outcomes = [(future, None, error) for _, future in group]
+        for future, result, refusal in outcomes:
+            if refusal is None:
+                future.set_result(result)
+            else:
+                future.set_exception(refusal)
+
+
+def _attempt(connection: Connection, unit: Unit) -> tuple[Any, Exception | None]:
+    """Run one unit in its savepoint. What it raises is given back; database errors go on up."""
+    try:
+        with connection.begin_nested():
+            return unit(connection), None
+    except SQLAlchemyError:
+        raise
+    except Exception as refusal:
+        return None, refusal

@@ -1,0 +1,62 @@
+"""A sweep: the product of algorithms, weights, environments and seeds, posted as one."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+
+class SweepStatus(StrEnum):
+    """Follows from the statuses of the runs."""
+
+    QUEUED = "queued"
+    """No run has been claimed yet."""
+    RUNNING = "running"
+    """Some run is not final."""
+    FINISHED = "finished"
+    """Every run is final."""
+    CANCELLED = "cancelled"
+    """Every run is final, and the sweep was cancelled before they all ended by themselves."""
+
+
+@dataclass(frozen=True)
+class RunCounts:
+    """How many runs of a sweep stand where."""
+
+    queued: int = 0
+    running: int = 0
+    succeeded: int = 0
+    failed: int = 0
+    diverged: int = 0
+    cancelled: int = 0
+
+    @property
+    def total(self) -> int:
+        """All runs of the sweep."""
+        return self.active + self.succeeded + self.failed + self.diverged + self.cancelled
+
+    @property
+    def active(self) -> int:
+        """Runs that have not ended."""
+        return self.queued + self.running
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """One sweep. Times are seconds since 1970 by the database's clock.
+
+    request      what was posted, as it was
+    progress     share of the asked timesteps that is done; a run that ended counts whole
+    eta_seconds  time left at the pace since the first claim; None while there is no pace
+    """
+
+    id: str
+    name: str
+    priority: int
+    request: Mapping[str, Any]
+    created_at: float
+    started_at: float | None
+    status: SweepStatus
+    runs: RunCounts
+    progress: float
+    eta_seconds: float | None
