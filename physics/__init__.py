@@ -1,1 +1,31 @@
-"""The tasks: exact simulators, their derivatives, their Gymnasium face."""
+"""The tasks: exact simulators, their derivatives, their Gymnasium face.
+
+`make`, `names`, `compile_kernels` and `torch_step` are loaded when first asked for (PEP 562), so
+that `import physics` alone loads neither torch nor numba.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from physics.autograd import torch_step
+    from physics.catalogue import compile_kernels, make, names
+
+__all__ = ["compile_kernels", "make", "names", "torch_step"]
+
+_HOMES = {
+    "compile_kernels": "physics.catalogue",
+    "make": "physics.catalogue",
+    "names": "physics.catalogue",
+    "torch_step": "physics.autograd",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'physics' has no attribute {name!r}")
+    return getattr(import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])

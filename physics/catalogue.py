@@ -1,0 +1,63 @@
+"""Catalogue: the tasks by name.
+
+An installed package adds a task of its own through the entry-point group `d3pg.environments`, with
+the task's name and `module:Class`. The project's own are written the same way, and loaded when
+made: listing names loads no simulator.
+"""
+
+from collections.abc import Iterable, Iterator
+from difflib import get_close_matches
+from importlib.metadata import EntryPoint, entry_points
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from physics.environment import Environment
+
+GROUP = "d3pg.environments"
+
+OWN = {
+    "MassPoint": "physics.mass_point:MassPoint",
+    "Pendulum": "physics.pendulum:Pendulum",
+}
+
+
+def names() -> list[str]:
+    """Every task's name: the project's own, then those of installed packages."""
+    return [
+        *OWN,
+        *sorted(entry.name for entry in entry_points(group=GROUP) if entry.name not in OWN),
+    ]
+
+
+def make(name: str) -> "Environment":
+    """Make the task of that name.
+
+    Raises:
+        ValueError: for an unknown name; it names the nearest known one.
+    """
+    environment: Environment = _entry(name).load()()
+    return environment
+
+
+def compile_kernels(names: Iterable[str]) -> Iterator[tuple[str, float]]:
+    """Compile the kernels of these tasks one after the other, yielding (name, seconds) of each.
+
+    The first use on a machine takes seconds a task, later ones load from disk: whoever is about to
+    make someone wait can show progress.
+    """
+    for name in names:
+        yield name, make(name).compile()
+
+
+def _entry(name: str) -> EntryPoint:
+    """Where the task of that name is."""
+    if name in OWN:
+        return EntryPoint(name, OWN[name], GROUP)
+    for entry in entry_points(group=GROUP):
+        if entry.name == name:
+            return entry
+    known = names()
+    folded = {each.casefold(): each for each in known}
+    near = get_close_matches(str(name).casefold(), folded, n=1, cutoff=0.5)
+    hint = f"; did you mean {folded[near[0]]!r}?" if near else ""
+    raise ValueError(f"unknown environment {name!r}{hint} (known: {', '.join(known)})")

@@ -1,0 +1,101 @@
+"""Differences: a task's derivatives from its steps alone, to hold the exact ones against.
+
+Fourth-order central differences at a ladder of widths h, each half the one before:
+
+    D(h) = (8 [f(x + h) - f(x - h)] - [f(x + 2h) - f(x - 2h)]) / 12h
+
+A width counts only where all of x, x +- h, x +- 2h lie on one smooth piece of the map (see
+`Environment.pieces`): a difference across a kink is no derivative of anything. Of the widths that
+count, the one that agrees best with the width before it is taken, entry by entry (Ridders 1982
+chooses so). Where no two neighbouring widths count, the state lies at a kink.
+
+Glossary: `x` is state and action together, [batch, n + m]; `y` is next state and reward together.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from physics.environment import BoolArray, Environment, FloatArray, Linearization
+
+WIDTHS = tuple(2e-3 / 2**k for k in range(0, 16, 2))
+_STENCIL = np.array([1.0, -1.0, 2.0, -2.0])
+_WEIGHTS = np.array([8.0, -8.0, -1.0, 1.0]) / 12.0
+
+# Below this size a derivative is compared absolutely: rounding has no relative meaning there.
+SMALLEST_SCALE = 1e-3
+
+
+class Differences(NamedTuple):
+    """Total derivatives of a step: the reward's include its way through the next state."""
+
+    jacobian: FloatArray
+    """[batch, n, n + m], of the next state in (s, a)."""
+    reward_gradient: FloatArray
+    """[batch, n + m], of the reward in (s, a)."""
+    smooth: BoolArray
+    """[batch]; where False the state lies at a kink and its row above means nothing."""
+
+
+def differences(environment: Environment, states: FloatArray, actions: FloatArray) -> Differences:
+    """The derivatives of each row by central differences."""
+    n = environment.state_size
+    best = np.full((len(states), n + 1, n + environment.action_size), np.nan)
+    smallest_change = np.full_like(best, np.inf)
+    before = best.copy()
+    for width in WIDTHS:
+        now = _at_width(environment, states, actions, width)
+        change = np.abs(now - before)
+        better = change < smallest_change  # never where either is NaN
+        best[better], smallest_change[better] = now[better], change[better]
+        before = now
+    return Differences(best[:, :n], best[:, n], ~np.isnan(best).any(axis=(1, 2)))
+
+
+def relative_errors(linearization: Linearization, reference: Differences) -> FloatArray:
+    """The worst relative error of each row's derivatives [batch], NaN at a kink.
+
+    Relative to the largest entry of the matrix that the entry stands in: state Jacobian, action
+    Jacobian, the reward's gradient in the state and in the action, each by itself.
+    """
+    n = linearization.state_jacobian.shape[1]
+    through = linearization.reward_next_state_gradient[:, None]
+    by_state = linearization.reward_state_gradient[:, None] + through @ linearization.state_jacobian
+    by_action = (
+        linearization.reward_action_gradient[:, None] + through @ linearization.action_jacobian
+    )
+    pairs = (
+        (linearization.state_jacobian, reference.jacobian[:, :, :n]),
+        (linearization.action_jacobian, reference.jacobian[:, :, n:]),
+        (by_state, reference.reward_gradient[:, None, :n]),
+        (by_action, reference.reward_gradient[:, None, n:]),
+    )
+    errors = [
+        np.abs(exact - near).max(axis=(1, 2))
+        / np.maximum(np.abs(exact).max(axis=(1, 2)), SMALLEST_SCALE)
+        for exact, near in pairs
+    ]
+    worst: FloatArray = np.max(errors, axis=0)
+    return worst
+
+
+def _at_width(
+    environment: Environment, states: FloatArray, actions: FloatArray, width: float
+) -> FloatArray:
+    """D(width) [batch, n + 1, n + m], NaN in rows whose stencil leaves the piece of its centre."""
+    n = environment.state_size
+    x = np.concatenate([states, actions], axis=1)
+    batch, inputs = x.shape
+    # [batch, inputs, 4, inputs]: every input moved by itself to the four points of the stencil.
+    points = x[:, None, None, :] + width * np.einsum("k,ij->ikj", _STENCIL, np.eye(inputs))
+    flat = points.reshape(-1, inputs)
+    s, a = np.ascontiguousarray(flat[:, :n]), np.ascontiguousarray(flat[:, n:])
+    transition = environment.step(s, a)
+    y = np.concatenate([transition.next_state, transition.reward[:, None]], axis=1)
+    slope: FloatArray = (
+        np.einsum("k,bikj->bji", _WEIGHTS, y.reshape(batch, inputs, 4, n + 1)) / width
+    )
+    centre = environment.pieces(states, actions).piece
+    around = environment.pieces(s, a).piece.reshape(batch, -1, centre.shape[1])
+    slope[(around != centre[:, None]).any(axis=(1, 2))] = np.nan
+    return slope

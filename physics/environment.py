@@ -1,0 +1,278 @@
+"""Environment: the contract every task keeps.
+
+One transition is a pure function of state and action, worked for a whole batch at once:
+
+    s' = f(s, clip(a, -1, 1)),    r = r(s, clip(a, -1, 1), s'),    terminated = whether s' ends it
+
+with the exact derivatives on request. Every row is computed by itself: its bits do not depend on
+the other rows. A task is a subclass that declares its sizes and constants, brings two kernels, a
+start state, its regimes and its drawing.
+
+Derivatives at bounds. Outside the box `[-1, 1]` an action's derivative is 0. At `|a| = 1` exactly
+it is the interior one: a tanh policy reaches 1.0 in floating point, and must still be able to learn
+its way back. The same rule holds for every other clip: at the bound itself, the interior
+derivative. The derivative of a wrapped angle is 1.
+
+Glossary:
+    s, s'   state and next state, float64 [batch, n], in intrinsic coordinates (never features)
+    a       action, float64 [batch, m]
+    r       reward, float64 [batch]
+"""
+
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physics.compiled import compiled
+from physics.drawing import Drawing
+from physics.features import Array, FeatureMap
+from physics.randomness import generator
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+
+class Transition(NamedTuple):
+    """One step of each row of a batch."""
+
+    next_state: FloatArray
+    """[batch, n]"""
+    reward: FloatArray
+    """[batch]"""
+    terminated: BoolArray
+    """[batch]; a time limit is no termination."""
+
+
+class Linearization(NamedTuple):
+    """One step of each row of a batch, with its exact derivatives."""
+
+    transition: Transition
+    state_jacobian: FloatArray
+    """[batch, n, n], `J[i, j] = d next_state_i / d state_j`."""
+    action_jacobian: FloatArray
+    """[batch, n, m], `J[i, j] = d next_state_i / d action_j`."""
+    reward_state_gradient: FloatArray
+    """[batch, n], partial derivative of `r(s, a, s')` in s, with s' held."""
+    reward_action_gradient: FloatArray
+    """[batch, m], partial derivative in a, with s' held."""
+    reward_next_state_gradient: FloatArray
+    """[batch, n], partial derivative in s'."""
+
+
+class Pieces(NamedTuple):
+    """On which smooth piece of its map each step of a batch lies (see `Environment.pieces`)."""
+
+    regime: IntArray
+    """[batch], index into the task's `regimes`."""
+    piece: IntArray
+    """[batch, k]: two steps lie on the same smooth piece if and only if their rows are equal."""
+
+
+class UnsolvedStepError(ArithmeticError):
+    """A step whose equations could not be solved; its message holds the state and the action."""
+
+
+class Environment(ABC):
+    """A task: its constants, its dynamics, its derivatives, what a network sees of it.
+
+    An instance holds no state: all its methods are pure.
+    """
+
+    name: ClassVar[str]
+    version: ClassVar[int]
+    """Raised whenever the task's numbers change; stored results carry it."""
+    state_size: ClassVar[int]
+    action_size: ClassVar[int]
+    horizon: ClassVar[int]
+    """Steps after which an episode is truncated."""
+    max_reward: ClassVar[float]
+    """The `max(r)` of the normalised return."""
+    reward_is_differentiable: ClassVar[bool] = True
+    """If False, the reward is piecewise constant and its gradients are 0."""
+    angles: ClassVar[Mapping[int, int]] = MappingProxyType({})
+    """Coordinate -> multiplicity k: the network sees `cos(k theta), sin(k theta)`."""
+    hidden: ClassVar[tuple[int, ...]] = ()
+    """Coordinates that no network sees."""
+    regimes: ClassVar[tuple[str, ...]] = ("free", "clipped")
+    """The kinds of step that the gradient audit reports apart."""
+
+    step_kernel: Callable[..., int]
+    """`(s, a, *transition)` fills the transition's arrays and returns -1, or the first row that
+    has no solution."""
+    differentiate_kernel: Callable[..., int]
+    """`(s, a, *transition, *derivatives)` does the same with all fields of a Linearization."""
+
+    def __init__(self) -> None:
+        """Lay out the features."""
+        self.feature_map = FeatureMap(self.state_size, self.angles, self.hidden)
+
+    @abstractmethod
+    def initial_state(self, generator: np.random.Generator) -> FloatArray:
+        """Draw one start state [n]."""
+
+    @abstractmethod
+    def draw(self, state: FloatArray) -> Drawing:
+        """Draw one state [n]."""
+
+    def step(self, states: FloatArray, actions: FloatArray) -> Transition:
+        """Advance states [batch, n] by one step under actions [batch, m].
+
+        Raises:
+            ValueError: for a wrong type, dtype or shape, for NaN and infinity, and for a state
+                outside the task's domain.
+            UnsolvedStepError: when a row's equations have no solution within the solver's bounds.
+        """
+        states, actions = self._checked(states, actions)
+        transition = self._empty_transition(len(states))
+        unsolved = self.step_kernel(states, actions, *transition)
+        if unsolved >= 0:
+            raise self.failure(states[unsolved], actions[unsolved])
+        return transition
+
+    def differentiate(self, states: FloatArray, actions: FloatArray) -> Linearization:
+        """Advance by one step, bit for bit as `step`, with the exact derivatives.
+
+        Raises:
+            ValueError, UnsolvedStepError: as `step`.
+        """
+        states, actions = self._checked(states, actions)
+        batch, n, m = len(states), self.state_size, self.action_size
+        linearization = Linearization(
+            self._empty_transition(batch),
+            np.empty((batch, n, n)),
+            np.empty((batch, n, m)),
+            np.empty((batch, n)),
+            np.empty((batch, m)),
+            np.empty((batch, n)),
+        )
+        transition, *derivatives = linearization
+        unsolved = self.differentiate_kernel(states, actions, *transition, *derivatives)
+        if unsolved >= 0:
+            raise self.failure(states[unsolved], actions[unsolved])
+        return linearization
+
+    def initial_states(self, seeds: Sequence[int] | IntArray) -> FloatArray:
+        """Start states [len(seeds), n]; row i depends on `seeds[i]` alone."""
+        states = np.empty((len(seeds), self.state_size))
+        for row, seed in enumerate(seeds):
+            states[row] = self.initial_state(generator(seed, "initial state"))
+        return states
+
+    def features(self, states: Array) -> Array:
+        """What a network sees [batch, F] of states [batch, n], numpy or torch (differentiable)."""
+        return self.feature_map.features(states)
+
+    def feature_slopes(self, features: Array) -> Array:
+        """`d feature_i / d state[feature_sources[i]]` [batch, F], from the features themselves."""
+        return self.feature_map.slopes(features)
+
+    @property
+    def feature_size(self) -> int:
+        """F, how many features a network sees."""
+        return self.feature_map.size
+
+    @property
+    def feature_sources(self) -> IntArray:
+        """[F], the one coordinate that each feature depends on."""
+        return self.feature_map.sources
+
+    def pieces(self, states: FloatArray, actions: FloatArray) -> Pieces:
+        """On which smooth piece of the map each step lies: no difference across a kink is fair.
+
+        A task with more kinks than the action's clip (walls, wraps, contacts) overrides this.
+        """
+        beyond = clip_sides(actions)
+        del states
+        return Pieces(regime=np.any(beyond, axis=1).astype(np.int64), piece=beyond)
+
+    def sample(self, generator: np.random.Generator, count: int) -> tuple[FloatArray, FloatArray]:
+        """States [count, n] and actions [count, m] that reach every regime, for the audit.
+
+        By default: where random policies come, with a sixth of the actions outside the box.
+        """
+        states = np.empty((count, self.state_size))
+        actions = generator.uniform(-1.2, 1.2, (count, self.action_size))
+        state = self.initial_state(generator)[None]
+        for row in range(count):
+            states[row] = state
+            transition = self.step(state, actions[row : row + 1])
+            ended = transition.terminated[0] or row % self.horizon == self.horizon - 1
+            state = self.initial_state(generator)[None] if ended else transition.next_state
+        return states, actions
+
+    def compile(self) -> float:
+        """Compile every kernel, or load it from the cache; return the seconds it took.
+
+        Without this call the first `step` and `differentiate` do the same, silently.
+        """
+        start = time.perf_counter()
+        states, actions = np.empty((0, self.state_size)), np.empty((0, self.action_size))
+        self.step(states, actions)
+        self.differentiate(states, actions)
+        self.features(states)
+        return time.perf_counter() - start
+
+    def failure(self, state: FloatArray, action: FloatArray) -> Exception:
+        """The error for a row that the kernels could not solve; tasks say more where they can."""
+        return UnsolvedStepError(
+            f"{self.name}: no solution for state {state.tolist()}, action {action.tolist()}"
+        )
+
+    def _checked(self, states: FloatArray, actions: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Both arrays as the kernels were compiled for, or a ValueError."""
+        states = _float64_rows(states, self.state_size, "states")
+        actions = _float64_rows(actions, self.action_size, "actions")
+        if len(states) != len(actions):
+            raise ValueError(
+                f"states and actions must have as many rows, not {len(states)} and {len(actions)}"
+            )
+        row = first_not_finite(states, actions)
+        if row >= 0:
+            raise ValueError(
+                f"states and actions must be finite, but row {row} has "
+                f"state {states[row].tolist()}, action {actions[row].tolist()}"
+            )
+        return states, actions
+
+    def _empty_transition(self, batch: int) -> Transition:
+        return Transition(
+            np.empty((batch, self.state_size)), np.empty(batch), np.empty(batch, np.bool_)
+        )
+
+
+def clip_sides(actions: FloatArray) -> IntArray:
+    """-1, 0 or 1 [batch, m]: below, within or above the box `[-1, 1]`."""
+    return (actions > 1.0).astype(np.int64) - (actions < -1.0)
+
+
+def _float64_rows(array: Any, width: int, what: str) -> FloatArray:
+    """`array` as float64 [batch, width], contiguous and writeable as the kernels want it."""
+    if not isinstance(array, np.ndarray):
+        raise ValueError(
+            f"{what} must be a numpy array, float64 [batch, {width}], not {type(array).__name__}"
+        )
+    if array.dtype != np.float64 or array.ndim != 2 or array.shape[1] != width:
+        raise ValueError(
+            f"{what} must be float64 [batch, {width}], not {array.dtype} {list(array.shape)}"
+        )
+    # Another layout, or a read-only array, would compile the kernels a second time.
+    return array if array.flags.carray else array.copy(order="C")
+
+
+@compiled
+def first_not_finite(states: FloatArray, actions: FloatArray) -> int:
+    """The first row with a NaN or an infinity in it, or -1."""
+    for row in range(states.shape[0]):
+        for i in range(states.shape[1]):
+            if not np.isfinite(states[row, i]):
+                return row
+        for i in range(actions.shape[1]):
+            if not np.isfinite(actions[row, i]):
+                return row
+    return -1

@@ -1,0 +1,127 @@
+"""Features: what a network sees of a state.
+
+    an angle theta of multiplicity k  ->  cos(k theta), sin(k theta)     in the angle's place
+    a hidden coordinate               ->  nothing
+    any other coordinate              ->  itself
+
+Each feature depends on one coordinate alone, and its slope is a linear function of the features:
+
+    d cos(k theta) / d theta = -k sin(k theta),   d sin(k theta) / d theta = k cos(k theta)
+
+so a gradient with respect to features, `G [batch, F]`, becomes one with respect to the state by
+adding `G * slopes` to the columns that `sources` names.
+
+Glossary: `n` coordinates of a state, `F` features.
+"""
+
+from collections.abc import Mapping
+from typing import Any, TypeVar, cast
+
+import numpy as np
+from array_api_compat import array_namespace
+from numpy.typing import NDArray
+
+from physics.compiled import compiled
+
+Array = TypeVar("Array", bound=Any)
+
+_ITSELF, _COS, _SIN = 0, 1, 2
+
+
+class FeatureMap:
+    """The map from states to features, with its derivative.
+
+    Attributes:
+        size: F.
+        sources: int64 [F], the coordinate each feature depends on.
+        partners: int64 [F], the feature each slope is proportional to.
+        factors, offsets: float64 [F], `slope_i = factor_i * feature_partner(i) + offset_i`.
+    """
+
+    def __init__(self, state_size: int, angles: Mapping[int, int], hidden: tuple[int, ...]) -> None:
+        """Lay out the features of a state.
+
+        Args:
+            state_size: n.
+            angles: coordinate -> multiplicity k.
+            hidden: coordinates that no feature shows.
+        """
+        rows: list[tuple[int, int, int, float, float]] = []
+        for coordinate in range(state_size):
+            here = len(rows)
+            if coordinate in angles:
+                k = angles[coordinate]
+                rows.append((coordinate, _COS, here + 1, -k, 0.0))
+                rows.append((coordinate, _SIN, here, k, 0.0))
+            elif coordinate not in hidden:
+                rows.append((coordinate, _ITSELF, here, 0.0, 1.0))
+        sources, kinds, partners, factors, offsets = zip(*rows, strict=True)
+        self.size = len(rows)
+        self.sources: NDArray[np.int64] = np.array(sources, np.int64)
+        self.partners: NDArray[np.int64] = np.array(partners, np.int64)
+        self.factors: NDArray[np.float64] = np.array(factors, np.float64)
+        self.offsets: NDArray[np.float64] = np.array(offsets, np.float64)
+        self._kinds: NDArray[np.int64] = np.array(kinds, np.int64)
+        self._state_size = state_size
+        self._angles = dict(angles)
+        self._hidden = frozenset(hidden)
+
+    def features(self, states: Array) -> Array:
+        """The features [batch, F] of states [batch, n]; torch tensors stay differentiable.
+
+        Numpy arrays go through a compiled kernel: numpy's own vectorised cosine may round a number
+        differently at another place of the array, and a row must not feel its neighbours.
+        """
+        if isinstance(states, np.ndarray):
+            return cast("Array", self._numpy_features(states))
+        xp = array_namespace(states)
+        columns = []
+        for coordinate in range(self._state_size):
+            column = states[..., coordinate]
+            if coordinate in self._angles:
+                phase = self._angles[coordinate] * column
+                columns += [xp.cos(phase), xp.sin(phase)]
+            elif coordinate not in self._hidden:
+                columns.append(column)
+        return cast("Array", xp.stack(columns, axis=-1))
+
+    def slopes(self, features: Array) -> Array:
+        """The slopes [batch, F]: of each feature, in its own source coordinate."""
+        if isinstance(features, np.ndarray):
+            return cast("Array", features[..., self.partners] * self.factors + self.offsets)
+        xp = array_namespace(features)
+        like = {"dtype": features.dtype, "device": features.device}
+        factors, offsets = xp.asarray(self.factors, **like), xp.asarray(self.offsets, **like)
+        partners = xp.take(features, xp.asarray(self.partners), axis=-1)
+        return cast("Array", partners * factors + offsets)
+
+    def _numpy_features(self, states: NDArray[np.float64]) -> NDArray[np.float64]:
+        if states.dtype != np.float64 or states.ndim != 2 or states.shape[1] != self._state_size:
+            raise ValueError(
+                f"states must be float64 [batch, {self._state_size}], "
+                f"not {states.dtype} {list(states.shape)}"
+            )
+        if not states.flags.carray:
+            states = states.copy(order="C")
+        features = np.empty((len(states), self.size))
+        feature_rows(states, self.sources, self._kinds, self.factors, features)
+        return features
+
+
+@compiled
+def feature_rows(
+    states: NDArray[np.float64],
+    sources: NDArray[np.int64],
+    kinds: NDArray[np.int64],
+    factors: NDArray[np.float64],
+    features: NDArray[np.float64],
+) -> None:
+    """Fill `features [batch, F]` from `states [batch, n]`; `|factor|` is an angle's k."""
+    for row in range(states.shape[0]):
+        for i in range(sources.size):
+            value = states[row, sources[i]]
+            if kinds[i] == _COS:
+                value = np.cos(-factors[i] * value)
+            elif kinds[i] == _SIN:
+                value = np.sin(factors[i] * value)
+            features[row, i] = value

@@ -1,0 +1,45 @@
+"""Every task's derivatives against central differences, regime by regime."""
+
+import numpy as np
+import pytest
+
+import physics
+from physics.differences import differences, relative_errors
+from physics.randomness import generator
+
+COUNT = 1500
+
+
+@pytest.mark.parametrize("name", physics.names())
+def test_jacobians_and_reward_gradients(name: str) -> None:
+    environment = physics.make(name)
+    states, actions = environment.sample(generator(0, "jacobian test"), COUNT)
+    reference = differences(environment, states, actions)
+    errors = relative_errors(environment.differentiate(states, actions), reference)
+    regime = environment.pieces(states, actions).regime
+    for index, regime_name in enumerate(environment.regimes):
+        smooth = (regime == index) & reference.smooth
+        assert smooth.sum() >= 5, f"{regime_name}: {smooth.sum()} smooth states"
+        worst = errors[smooth].max()
+        assert worst < 1e-6, f"{regime_name}: relative error {worst:.1e}"
+    assert reference.smooth.mean() > 0.9
+
+
+@pytest.mark.parametrize("name", physics.names())
+def test_a_wrong_derivative_is_found(name: str) -> None:
+    environment = physics.make(name)
+    states, actions = environment.sample(generator(0, "jacobian test"), 20)
+    reference = differences(environment, states, actions)
+    linearization = environment.differentiate(states, actions)
+    linearization.state_jacobian[:] *= 1.0 + 1e-5
+    errors = relative_errors(linearization, reference)
+    assert (errors[reference.smooth] > 1e-6).all()
+
+
+def test_a_state_at_a_kink_is_told_apart() -> None:
+    environment = physics.make("Pendulum")
+    states = np.array([[0.3, 0.0], [0.3, 0.0], [np.pi, 0.0]])
+    actions = np.array([[0.5], [1.0], [0.5]])
+    np.testing.assert_array_equal(
+        differences(environment, states, actions).smooth, [True, False, False]
+    )
