@@ -1,0 +1,67 @@
+"""The access token: one per data directory, in a file that its owner alone can read."""
+
+import hashlib
+import hmac
+import os
+import secrets
+from pathlib import Path
+from urllib.parse import quote
+
+from service.settings import Settings
+
+TOKEN_BYTES = 24
+FILE_NAME = "token"
+
+
+def access_token(settings: Settings) -> str:
+    """Return `settings.token`, else the data directory's token, made at first use (mode 0600).
+
+    Raises PermissionError when other users can read the file: its token is no secret any more.
+    """
+    if settings.token is not None:
+        return settings.token.get_secret_value()
+    settings.data_dir.mkdir(parents=True, exist_ok=True)
+    file = settings.data_dir / FILE_NAME
+    _create_unless_there(file)
+    if file.stat().st_mode & 0o077:
+        raise PermissionError(
+            f"{file} can be read by other users, so its token is no secret: delete it (the next "
+            "start makes a new one) or, if you trust them, run: chmod 600 " + str(file)
+        )
+    return file.read_text(encoding="utf-8").strip()
+
+
+def signin_link(settings: Settings, token: str) -> str:
+    """Return the link that signs a browser in."""
+    return f"{settings.url}/signin?token={quote(token, safe='')}"
+
+
+def session_cookie(token: str) -> tuple[str, str]:
+    """Return name and value of the cookie that stands for the token in a browser.
+
+    The value follows from the token, so sessions outlive a restart, but not the other way round.
+    The name differs per token: cookies do not know ports, and two services on one machine must
+    not sign each other's browsers out.
+    """
+    name = hmac.digest(token.encode(), b"cookie name", hashlib.sha256).hex()[:8]
+    value = hmac.digest(token.encode(), b"cookie value", hashlib.sha256).hex()
+    return f"d3pg-{name}", value
+
+
+def _create_unless_there(file: Path) -> None:
+    """Write a new token whole or not at all, and never over another process's."""
+    if file.exists():
+        return
+    draft = file.with_name(f".{FILE_NAME}-{secrets.token_hex(8)}")
+    descriptor = os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+    try:
+        with os.fdopen(descriptor, "w", encoding="utf-8") as stream:
+            stream.write(secrets.token_hex(TOKEN_BYTES) + "\n")
+            stream.flush()
+            os.fsync(stream.fileno())
+        # A link fails where a rename would replace the token that another process just made.
+        os.link(draft, file)
+    except FileExistsError:
+        pass
+    finally:
+        draft.unlink()

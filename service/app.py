@@ -1,0 +1,64 @@
+"""The application: routes, what stands in front of them, and what they are given.
+
+From outside in: request id, access log, the guard (host, origin, token), the body limit, routes.
+Whoever makes the application opens and closes store and dispatcher; no Ray and no torch here.
+"""
+
+from asgi_correlation_id import CorrelationIdMiddleware
+from fastapi import APIRouter, FastAPI
+from fastapi_offline import FastAPIOffline
+
+from service.access_token import access_token
+from service.body_limit import BodyLimit
+from service.event_feed import EventFeed
+from service.logs import AccessLog
+from service.problems import install_problem_handlers
+from service.routes import (
+    catalogue,
+    curves,
+    documentation,
+    events,
+    health,
+    measurements,
+    runs,
+    signin,
+    sweeps,
+)
+from service.routes.context import Dispatcher
+from service.security import Guard
+from service.settings import Settings
+from service.store.store import Store
+
+PREFIX = "/api/v1"
+RESOURCES = (sweeps, runs, measurements, curves, events, catalogue)
+
+
+def create_app(settings: Settings, store: Store, dispatcher: Dispatcher) -> FastAPI:
+    """Make the application on an open store; `dispatcher` says whether runs can start."""
+    app = FastAPIOffline(
+        docs_url=None,
+        redoc_url=None,
+        title="d3pg",
+        summary="Sweeps of learning control with differentiable physics.",
+        version="1",
+        openapi_url=f"{PREFIX}/openapi.json",
+        static_url=documentation.ASSETS,
+        generate_unique_id_function=lambda route: route.name,
+    )
+    token = access_token(settings)
+    app.state.token = token
+    app.state.store = store
+    app.state.dispatcher = dispatcher
+    app.state.event_feed = EventFeed(store)
+    install_problem_handlers(app)
+    api = APIRouter(prefix=PREFIX)
+    for resource in RESOURCES:
+        api.include_router(resource.router)
+    for router in (api, health.router, signin.router):
+        app.include_router(router)
+    documentation.add_documentation(app)
+    app.add_middleware(BodyLimit)
+    app.add_middleware(Guard, settings=settings, token=token)
+    app.add_middleware(AccessLog)
+    app.add_middleware(CorrelationIdMiddleware)
+    return app

@@ -1,0 +1,191 @@
+"""A sweep as its figure: a panel per environment, in it a curve per algorithm and its settings.
+
+Normalised return = (return - random) / (max_reward horizon - random), where random is the mean
+return of uniform random actions: 0 acts at random, 1 is out of reach or perfect. While random has
+not been measured the normalised values are not defined, and n is 0.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeVar
+
+import numpy as np
+
+from service.curves import Band, Curve, Floats, Series, aggregate
+from service.random_return import RandomReturn
+from service.run_curve import RunCurve
+from workers.run_spec import Cell, RunSpec
+
+Item = TypeVar("Item")
+Key = TypeVar("Key")
+
+Abscissa = Literal["timesteps", "updates", "jacobians", "seconds"]
+RETURNS = frozenset({"return_mean", "return_history"})
+
+BAND_TEXT: Mapping[Band, str] = {
+    "std": "one standard deviation (ddof 1)",
+    "ci95": "a 95 % confidence interval of the mean (Student's t)",
+    "iqr": "the interquartile range (25 % to 75 %)",
+}
+METRIC_TEXT = {
+    "return_mean": "return_mean (undiscounted return of one evaluation episode)",
+    "return_history": "return_history (mean of the latest 100 return_mean)",
+}
+
+
+@dataclass(frozen=True)
+class View:
+    """What is asked of a sweep: a metric over an abscissa, with a band, in so many points."""
+
+    metric: str
+    normalized: bool
+    band: Band
+    x: Abscissa
+    max_points: int
+
+
+@dataclass(frozen=True)
+class Seed:
+    """One run of a curve."""
+
+    seed: int
+    run_id: str
+    values: Floats
+
+
+@dataclass(frozen=True)
+class LabelledCurve:
+    """A curve, and whose it is. `curve.values` [seeds, p] is in the order of `seeds`."""
+
+    spec: RunSpec
+    label: str
+    curve: Curve
+    seeds: tuple[Seed, ...]
+
+
+@dataclass(frozen=True)
+class Panel:
+    """The curves of one environment."""
+
+    environment: str
+    random_return: RandomReturn | None
+    curves: tuple[LabelledCurve, ...]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A sweep seen through a view, with a sentence that says what is drawn."""
+
+    view: View
+    definition: str
+    panels: tuple[Panel, ...]
+
+
+def compare(
+    run_curves: Sequence[RunCurve],
+    view: View,
+    random_returns: Mapping[tuple[str, int], RandomReturn],
+    best_return: Callable[[str], float],
+) -> Comparison:
+    """Return the comparison of a sweep's runs, panels and curves in the order of the runs.
+
+    `random_returns` are by (environment, version); `best_return(environment)` is max_reward times
+    horizon.
+    """
+    labels = label_cells({run.spec.cell: run.spec for run in run_curves})
+    panels = []
+    for environment, runs in _grouped(run_curves, lambda run: run.spec.environment).items():
+        zero = random_returns.get((environment, runs[0].environment_version))
+        start, unit = _scale(zero, best_return, environment) if view.normalized else (0.0, 1.0)
+        curves = [
+            _curve(cell_runs, labels[cell], view, start, unit)
+            for cell, cell_runs in _grouped(runs, lambda run: run.spec.cell).items()
+        ]
+        panels.append(Panel(environment, zero, tuple(curves)))
+    is_interpolated = any(c.curve.is_interpolated for panel in panels for c in panel.curves)
+    return Comparison(view, definition(view, is_interpolated), tuple(panels))
+
+
+def definition(view: View, is_interpolated: bool) -> str:
+    """Say what a curve shows: statistic, band, n, normalisation, interpolation."""
+    metric = METRIC_TEXT.get(view.metric, view.metric)
+    sentences = [f"Mean and {BAND_TEXT[view.band]} over the n runs (seeds) of {metric}."]
+    if view.normalized:
+        sentences.append(
+            "Normalised: 0 is the mean return of uniform random actions, "
+            "1 is the task's largest reward at every step."
+        )
+    elif view.metric in RETURNS:
+        sentences.append("Raw returns.")
+    sentences.append("n counts the runs with a finite value there; no smoothing.")
+    if is_interpolated:
+        sentences.append(
+            f"Runs were measured at different {view.x}: each is interpolated linearly between "
+            "its own measurements."
+        )
+    return " ".join(sentences)
+
+
+def label_cells(specs: Mapping[Cell, RunSpec]) -> dict[Cell, str]:
+    """Name each cell by its algorithm, and by those settings that tell it from its neighbours.
+
+    Neighbours are the cells of the same algorithm in the same environment: a weight that only
+    differs from task to task is no part of the name.
+    """
+    settings = {cell: _settings(spec) for cell, spec in specs.items()}
+    telling: dict[str, set[str]] = {}
+    for cells in _grouped(specs, lambda cell: (cell.algorithm, cell.environment)).values():
+        for name in {name for cell in cells for name in settings[cell]}:
+            if len({settings[cell].get(name) for cell in cells}) > 1:
+                telling.setdefault(cells[0].algorithm, set()).add(name)
+    labels = {}
+    for cell, named in settings.items():
+        told = [
+            f"{name}={named.get(name, 'default')}"
+            for name in sorted(telling.get(cell.algorithm, ()), key=_weights_first)
+        ]
+        labels[cell] = " ".join([cell.algorithm, *told])
+    return labels
+
+
+def _settings(spec: RunSpec) -> dict[str, str]:
+    w1, w2 = spec.weights
+    settings = {"w1": w1, "w2": w2, **spec.config}
+    return {
+        name: f"{value:g}" if isinstance(value, float) else str(value)
+        for name, value in settings.items()
+    }
+
+
+def _weights_first(name: str) -> tuple[bool, str]:
+    return name not in {"w1", "w2"}, name
+
+
+def _scale(
+    zero: RandomReturn | None, best_return: Callable[[str], float], environment: str
+) -> tuple[float, float]:
+    """Return where the normalised scale starts and how long its unit is."""
+    if zero is None:
+        return np.nan, np.nan
+    return zero.mean, best_return(environment) - zero.mean
+
+
+def _curve(
+    runs: Sequence[RunCurve], label: str, view: View, start: float, unit: float
+) -> LabelledCurve:
+    with np.errstate(all="ignore"):
+        series = [Series(run.x, (run.values - start) / unit) for run in runs]
+    curve = aggregate(series, view.band, view.max_points)
+    seeds = tuple(
+        Seed(run.spec.seed, run.run_id, values)
+        for run, values in zip(runs, curve.values, strict=True)
+    )
+    return LabelledCurve(runs[0].spec, label, curve, seeds)
+
+
+def _grouped(items: Iterable[Item], key: Callable[[Item], Key]) -> dict[Key, list[Item]]:
+    """Group items, groups in the order of their first member."""
+    groups: dict[Key, list[Item]] = {}
+    for item in items:
+        groups.setdefault(key(item), []).append(item)
+    return groups

@@ -1,0 +1,47 @@
+"""What the service knows of an environment: its declared constants, never its dynamics."""
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Self
+
+import physics
+from physics.environment import Environment
+
+
+@dataclass(frozen=True)
+class EnvironmentFacts:
+    """Constants of an environment. `best_return` is max_reward * horizon."""
+
+    name: str
+    version: int
+    state_size: int
+    action_size: int
+    feature_size: int
+    horizon: int
+    max_reward: float
+    reward_is_differentiable: bool
+
+    @classmethod
+    def of(cls, environment: Environment) -> Self:
+        """Read them off an environment."""
+        return cls(
+            name=environment.name,
+            version=environment.version,
+            state_size=environment.state_size,
+            action_size=environment.action_size,
+            feature_size=environment.feature_size,
+            horizon=environment.horizon,
+            max_reward=environment.max_reward,
+            reward_is_differentiable=environment.reward_is_differentiable,
+        )
+
+    @property
+    def best_return(self) -> float:
+        """The one of the normalised scale."""
+        return self.max_reward * self.horizon
+
+
+@cache
+def environment_facts(name: str) -> EnvironmentFacts:
+    """Return the facts of an environment. Raises ValueError for an unknown name."""
+    return EnvironmentFacts.of(physics.make(name))

@@ -1,0 +1,132 @@
+"""The paper's figure 4 for any sweep, as a picture file.
+
+Two rows, return_mean above return_history; a column per environment; a line and its band per
+algorithm. What it shows (statistic, band, n, normalisation) is printed on it. The same data give
+the same bytes, so a picture can be compared and cached.
+"""
+
+import io
+import textwrap
+import threading
+import unicodedata
+import warnings
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from service.comparison import Comparison, LabelledCurve, Panel
+from service.palette import colour
+
+Form = Literal["png", "svg"]
+Style = Mapping[str, Any]
+
+COLUMN_INCHES = 2.8
+MIN_WIDTH_INCHES = 6.4
+HEIGHT_INCHES = 5.6
+DOTS_PER_INCH = 130
+LEGEND_COLUMN_INCHES = 1.8
+CAPTION_CHARACTERS_PER_INCH = 19
+MAX_CHARACTERS = 120
+DASHES = ("solid", (0, (5, 2)), (0, (1, 1.5)), (0, (5, 2, 1, 2)))
+METADATA: Mapping[Form, Mapping[str, None]] = {"png": {"Software": None}, "svg": {"Date": None}}
+INVISIBLE = frozenset({"Cc", "Cs", "Cn", "Co"})  # Unicode categories
+
+# matplotlib keeps its settings and caches for the process: nobody's matplotlibrc may change the
+# figure, names are text and not mathematics, and one thread draws at a time.
+mpl.rcdefaults()
+mpl.rcParams.update({"svg.hashsalt": "d3pg", "text.parse_math": False, "font.size": 8})
+drawing = threading.Lock()
+
+
+def draw(title: str, rows: Sequence[Comparison], form: Form) -> bytes:
+    """Return the figure as a file's bytes: a row per comparison, all of one sweep."""
+    with drawing, warnings.catch_warnings():
+        # A name may hold characters that the font lacks; the figure shows boxes for them.
+        warnings.filterwarnings("ignore", message="Glyph .* missing from font")
+        file = io.BytesIO()
+        figure = _figure(title, rows)
+        figure.savefig(file, format=form, dpi=DOTS_PER_INCH, metadata=dict(METADATA[form]))
+    return file.getvalue()
+
+
+def caption(comparison: Comparison) -> str:
+    """Say what the figure shows, with the number of runs in its curves."""
+    counts = [int(one.curve.n.max(initial=0)) for one in _all_curves(comparison)]
+    least, most = min(counts, default=0), max(counts, default=0)
+    n = f"n = {most}" if least == most else f"n = {least} to {most}"
+    return f"{comparison.definition} {n}."
+
+
+def printable(text: str) -> str:
+    """Return text without control characters, which are illegal in an SVG, cut to a line."""
+    shown = text if len(text) <= MAX_CHARACTERS else f"{text[: MAX_CHARACTERS - 1]}…"
+    return "".join("\ufffd" if unicodedata.category(each) in INVISIBLE else each for each in shown)
+
+
+def _figure(title: str, rows: Sequence[Comparison]) -> Figure:
+    panels = max(1, len(rows[0].panels))
+    width = max(MIN_WIDTH_INCHES, COLUMN_INCHES * panels)
+    figure = Figure(figsize=(width, HEIGHT_INCHES), layout="constrained")
+    axes = figure.subplots(len(rows), panels, sharex="col", squeeze=False)
+    styles = _styles(rows[0])
+    for axes_row, comparison in zip(axes, rows, strict=True):
+        for ax, panel in zip(axes_row, comparison.panels, strict=False):
+            _draw_panel(ax, panel, styles)
+        scale = "normalised" if comparison.view.normalized else "raw"
+        axes_row[0].set_ylabel(f"{comparison.view.metric} ({scale})")
+    for ax, panel in zip(axes[0], rows[0].panels, strict=False):
+        ax.set_title(printable(panel.environment))
+    for ax in axes[-1]:
+        ax.set_xlabel(rows[0].view.x)
+    figure.suptitle(printable(title))
+    _add_legend(figure, styles, width)
+    lines = textwrap.wrap(caption(rows[0]), int(width * CAPTION_CHARACTERS_PER_INCH))
+    figure.supxlabel("\n".join(lines), fontsize=7)
+    return figure
+
+
+def _draw_panel(ax: Axes, panel: Panel, styles: Mapping[str, Style]) -> None:
+    for one in panel.curves:
+        style, curve = styles[one.label], one.curve
+        ax.plot(curve.x, curve.mean, linewidth=1.2, **style)
+        ax.fill_between(
+            curve.x, curve.low, curve.high, color=style["color"], alpha=0.2, linewidth=0
+        )
+    if not any(one.curve.n.any() for one in panel.curves):
+        ax.text(0.5, 0.5, "nothing to show yet", ha="center", transform=ax.transAxes, color="0.4")
+    ax.grid(color="0.9", linewidth=0.6)
+    ax.set_axisbelow(True)
+    ax.spines[["top", "right"]].set_visible(False)
+
+
+def _styles(comparison: Comparison) -> dict[str, Style]:
+    """Return the line of each label: the algorithm's colour, a dash per further setting of it."""
+    styles: dict[str, Style] = {}
+    used: dict[str, int] = {}
+    for one in _all_curves(comparison):
+        if one.label not in styles:
+            algorithm = one.spec.algorithm
+            index = used.setdefault(algorithm, 0)
+            used[algorithm] += 1
+            styles[one.label] = {
+                "color": colour(algorithm),
+                "linestyle": DASHES[index % len(DASHES)],
+            }
+    return styles
+
+
+def _add_legend(figure: Figure, styles: Mapping[str, Style], width: float) -> None:
+    figure.legend(
+        handles=[Line2D([], [], label=printable(label), **styles[label]) for label in styles],
+        loc="outside upper center",
+        ncols=max(1, min(len(styles), int(width / LEGEND_COLUMN_INCHES))),
+        frameon=False,
+    )
+
+
+def _all_curves(comparison: Comparison) -> list[LabelledCurve]:
+    return [one for panel in comparison.panels for one in panel.curves]

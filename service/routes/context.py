@@ -1,0 +1,64 @@
+"""What routes are given: store, event feed, dispatcher; the sweep or run of their path."""
+
+from typing import Annotated, Protocol
+
+from fastapi import Depends, Request
+
+from service.event_feed import EventFeed
+from service.problems import NotFound, printable
+from service.run import Run
+from service.store.store import Store
+from service.sweep import Sweep
+
+MAX_ID = 64
+
+
+class Dispatcher(Protocol):
+    """What the routes ask of whoever dispatches runs to workers."""
+
+    @property
+    def problem(self) -> str | None:
+        """Why no run can start now, as a sentence; None while they can."""
+
+
+def _store(request: Request) -> Store:
+    store: Store = request.app.state.store
+    return store
+
+
+def _event_feed(request: Request) -> EventFeed:
+    feed: EventFeed = request.app.state.event_feed
+    return feed
+
+
+def _dispatcher(request: Request) -> Dispatcher:
+    dispatcher: Dispatcher = request.app.state.dispatcher
+    return dispatcher
+
+
+TheStore = Annotated[Store, Depends(_store)]
+TheEventFeed = Annotated[EventFeed, Depends(_event_feed)]
+TheDispatcher = Annotated[Dispatcher, Depends(_dispatcher)]
+
+
+def _sweep(sweep_id: str, store: TheStore) -> Sweep:
+    sweep = store.find_sweep(sweep_id) if _may_be_id(sweep_id) else None
+    if sweep is None:
+        raise NotFound(f"There is no sweep {printable(sweep_id)!r}.")
+    return sweep
+
+
+def _run(run_id: str, store: TheStore) -> Run:
+    run = store.find_run(run_id) if _may_be_id(run_id) else None
+    if run is None:
+        raise NotFound(f"There is no run {printable(run_id)!r}.")
+    return run
+
+
+def _may_be_id(text: str) -> bool:
+    """Whether it is worth asking the database, which may choke on what no id holds."""
+    return len(text) <= MAX_ID and text.isascii() and text.isprintable()
+
+
+TheSweep = Annotated[Sweep, Depends(_sweep)]
+TheRun = Annotated[Run, Depends(_run)]

@@ -1,0 +1,47 @@
+"""What a run measured: every point, exact."""
+
+from typing import Annotated, Literal
+
+from fastapi import APIRouter, Query, Request, Response
+
+from service.routes.context import TheRun, TheStore
+from service.schemas.measurements_answer import (
+    MeasurementsAnswer,
+    measurements_csv,
+    measurements_json,
+    table,
+)
+
+router = APIRouter(tags=["runs"])
+
+Format = Literal["json", "csv"]
+
+
+@router.get(
+    "/runs/{run_id}/measurements",
+    response_model=MeasurementsAnswer,
+    responses={200: {"content": {"text/csv": {}}}},
+)
+def get_measurements(
+    run: TheRun,
+    request: Request,
+    store: TheStore,
+    format: Annotated[  # noqa: A002 - the name in the URL
+        Format | None, Query(description="Left out: as the Accept header says, else JSON.")
+    ] = None,
+) -> Response:
+    """Answer every measurement of a run, as JSON columns or as CSV."""
+    columns = table(store.measurements(run.id))
+    if (format or _accepted(request)) == "json":
+        return Response(measurements_json(run.id, columns), media_type="application/json")
+    disposition = f'attachment; filename="{run.id}.csv"'
+    return Response(
+        measurements_csv(columns),
+        media_type="text/csv",
+        headers={"Content-Disposition": disposition},
+    )
+
+
+def _accepted(request: Request) -> Format:
+    accepted = request.headers.get("accept", "")
+    return "csv" if "text/csv" in accepted and "application/json" not in accepted else "json"

@@ -1,0 +1,103 @@
+"""Every measurement of a run, as a table: JSON columns or CSV.
+
+JSON has no NaN and no infinity: null stands for them, and `nonfinite` says which they were. CSV
+writes them as `NaN`, `Infinity` and `-Infinity`. Other numbers are written with all their digits.
+"""
+
+import csv
+import io
+import json
+import math
+from collections.abc import Mapping, Sequence
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from algorithms.measurement import Measurement
+
+Number = float | int
+Columns = Mapping[str, Sequence[Number | None]]
+OWN_COLUMNS = ("timestep", "return_mean", "return_history", "updates", "jacobians", "seconds")
+
+
+class NonfiniteAnswer(BaseModel):
+    """A value that is null in its column because it is not finite."""
+
+    column: str
+    timestep: int
+    value: str = Field(description="`NaN`, `Infinity` or `-Infinity`.")
+
+
+class MeasurementsAnswer(BaseModel):
+    """The table. Diagnostics that a measurement lacks are null too."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "run_id": "3f9a0c51b7de-17",
+                    "columns": {
+                        "timestep": [800, 1600],
+                        "return_mean": [-1203.5, -980.25],
+                        "return_history": [-1203.5, -1091.875],
+                        "updates": [400, 800],
+                        "jacobians": [25600, 51200],
+                        "seconds": [0.31, 0.6],
+                        "critic_loss": [0.5, None],
+                    },
+                    "nonfinite": [{"column": "critic_loss", "timestep": 1600, "value": "NaN"}],
+                }
+            ]
+        }
+    )
+
+    run_id: str
+    columns: dict[str, list[float | int | None]]
+    nonfinite: list[NonfiniteAnswer]
+
+
+def table(measurements: Sequence[Measurement]) -> Columns:
+    """Return measurements column by column; None where one lacks a diagnostic."""
+    columns: dict[str, list[Number | None]] = {
+        name: [getattr(measurement, name) for measurement in measurements] for name in OWN_COLUMNS
+    }
+    diagnostics = dict.fromkeys(name for each in measurements for name in each.diagnostics)
+    for name in diagnostics:
+        columns[name] = [measurement.diagnostics.get(name) for measurement in measurements]
+    return columns
+
+
+def measurements_json(run_id: str, columns: Columns) -> bytes:
+    """Return the JSON of a `MeasurementsAnswer`."""
+    nonfinite = [
+        {"column": name, "timestep": columns["timestep"][row], "value": nonfinite_text(value)}
+        for name, values in columns.items()
+        for row, value in enumerate(values)
+        if value is not None and not math.isfinite(value)
+    ]
+    finite = {
+        name: [value if value is not None and math.isfinite(value) else None for value in values]
+        for name, values in columns.items()
+    }
+    document = {"run_id": run_id, "columns": finite, "nonfinite": nonfinite}
+    return json.dumps(document, allow_nan=False, separators=(",", ":")).encode()
+
+
+def measurements_csv(columns: Columns) -> str:
+    """Return the table as CSV (RFC 4180)."""
+    file = io.StringIO()
+    writer = csv.writer(file)
+    writer.writerow(columns)
+    for row in zip(*columns.values(), strict=True):
+        writer.writerow("" if value is None else _text(value) for value in row)
+    return file.getvalue()
+
+
+def nonfinite_text(value: Number) -> str:
+    """Name a number that is not finite."""
+    if math.isnan(value):
+        return "NaN"
+    return "Infinity" if value > 0 else "-Infinity"
+
+
+def _text(value: Number) -> str:
+    return repr(value) if math.isfinite(value) else nonfinite_text(value)

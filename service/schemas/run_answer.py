@@ -1,0 +1,105 @@
+"""A run, as answers show it."""
+
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from typing import Any, Self
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from service.run import Run, RunStatus
+
+
+class WeightsAnswer(BaseModel):
+    """Weights of the critic's gradient terms."""
+
+    w1: float
+    w2: float
+
+
+class RunAnswer(BaseModel):
+    """A run as it stands."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "id": "3f9a0c51b7de-17",
+                    "sweep_id": "3f9a0c51b7de",
+                    "algorithm": "hybrid-ddpg",
+                    "environment": "Pendulum",
+                    "environment_version": 1,
+                    "seed": 1,
+                    "weights": {"w1": 0.1, "w2": 0.1},
+                    "config": {},
+                    "timesteps": 20_000,
+                    "timestep": 4_800,
+                    "status": "running",
+                    "is_cancelling": False,
+                    "reason": "",
+                    "attempt": 1,
+                    "created_at": "2026-11-24T09:30:00.120000Z",
+                    "started_at": "2026-11-24T09:30:02.020000Z",
+                    "finished_at": None,
+                    "fingerprint": {"numpy": "2.4.6"},
+                    "links": {"self": "/api/v1/runs/3f9a0c51b7de-17"},
+                }
+            ]
+        }
+    )
+
+    id: str
+    sweep_id: str
+    algorithm: str
+    environment: str
+    environment_version: int
+    seed: int
+    weights: WeightsAnswer
+    config: Mapping[str, Any]
+    timesteps: int
+    timestep: int = Field(description="Environment steps reached by the current attempt.")
+    status: RunStatus
+    is_cancelling: bool
+    reason: str
+    attempt: int
+    created_at: datetime
+    started_at: datetime | None
+    finished_at: datetime | None
+    fingerprint: Mapping[str, Any] | None
+    links: dict[str, str]
+
+    @classmethod
+    def of(cls, run: Run) -> Self:
+        """Show a run."""
+        spec = run.spec
+        link = f"/api/v1/runs/{run.id}"
+        return cls(
+            id=run.id,
+            sweep_id=run.sweep_id,
+            algorithm=spec.algorithm,
+            environment=spec.environment,
+            environment_version=run.environment_version,
+            seed=spec.seed,
+            weights=WeightsAnswer(w1=spec.weights[0], w2=spec.weights[1]),
+            config=spec.config,
+            timesteps=spec.timesteps,
+            timestep=run.timestep,
+            status=run.status,
+            is_cancelling=run.is_cancelling,
+            reason=run.reason,
+            attempt=run.attempt,
+            created_at=as_time(run.created_at),
+            started_at=None if run.started_at is None else as_time(run.started_at),
+            finished_at=None if run.finished_at is None else as_time(run.finished_at),
+            fingerprint=run.fingerprint,
+            links={
+                "self": link,
+                "sweep": f"/api/v1/sweeps/{run.sweep_id}",
+                "measurements": f"{link}/measurements",
+                "cancel": f"{link}/cancel",
+            },
+        )
+
+
+def as_time(seconds: float) -> datetime:
+    """Return seconds since 1970 as a time in UTC."""
+    return datetime.fromtimestamp(seconds, UTC)

@@ -1,0 +1,130 @@
+"""A sweep, and what one would be, as answers show them."""
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from datetime import datetime
+from typing import Any, Self
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from service.schemas.run_answer import WeightsAnswer, as_time
+from service.submission.plan import Plan
+from service.sweep import RunCounts, Sweep, SweepStatus
+
+
+class CellAnswer(BaseModel):
+    """What the runs of one curve share."""
+
+    algorithm: str
+    environment: str
+    weights: WeightsAnswer
+    config: dict[str, Any]
+    timesteps: int
+    seeds: int
+
+
+class RunCountsAnswer(BaseModel):
+    """How many runs stand where."""
+
+    total: int
+    queued: int
+    running: int
+    succeeded: int
+    failed: int
+    diverged: int
+    cancelled: int
+
+    @classmethod
+    def of(cls, counts: RunCounts) -> Self:
+        """Show counts."""
+        return cls(total=counts.total, **asdict(counts))
+
+
+class DryRunAnswer(BaseModel):
+    """What a submission would queue."""
+
+    runs: RunCountsAnswer
+    timesteps: int = Field(description="Environment steps of all runs together.")
+    cells: list[CellAnswer]
+
+    @classmethod
+    def of(cls, plan: Plan) -> Self:
+        """Show a plan."""
+        cells = [
+            CellAnswer(
+                algorithm=cell.algorithm,
+                environment=cell.environment,
+                weights=WeightsAnswer(w1=cell.weights[0], w2=cell.weights[1]),
+                config=dict(cell.config),
+                timesteps=cell.timesteps,
+                seeds=len(plan.seeds),
+            )
+            for cell in plan.cells
+        ]
+        counts = RunCountsAnswer.of(RunCounts(queued=plan.runs))
+        return cls(runs=counts, timesteps=plan.timesteps, cells=cells)
+
+
+class SweepAnswer(BaseModel):
+    """A sweep as it stands."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "id": "3f9a0c51b7de",
+                    "name": "weights on Pendulum",
+                    "created_at": "2026-11-24T09:30:00.120000Z",
+                    "priority": 0,
+                    "status": "running",
+                    "runs": {
+                        "total": 48,
+                        "queued": 16,
+                        "running": 32,
+                        "succeeded": 0,
+                        "failed": 0,
+                        "diverged": 0,
+                        "cancelled": 0,
+                    },
+                    "progress": 0.25,
+                    "eta_seconds": 310.5,
+                    "request": {"name": "weights on Pendulum", "seeds": 16},
+                    "links": {"self": "/api/v1/sweeps/3f9a0c51b7de"},
+                }
+            ]
+        }
+    )
+
+    id: str
+    name: str
+    created_at: datetime
+    priority: int
+    status: SweepStatus
+    runs: RunCountsAnswer
+    progress: float = Field(description="Share of the asked timesteps that is done, 0 to 1.")
+    eta_seconds: float | None
+    request: Mapping[str, Any] = Field(description="What was posted.")
+    links: dict[str, str]
+
+    @classmethod
+    def of(cls, sweep: Sweep) -> Self:
+        """Show a sweep."""
+        link = f"/api/v1/sweeps/{sweep.id}"
+        parts = ("runs", "curves", "events", "cancel")
+        return cls(
+            id=sweep.id,
+            name=sweep.name,
+            created_at=as_time(sweep.created_at),
+            priority=sweep.priority,
+            status=sweep.status,
+            runs=RunCountsAnswer.of(sweep.runs),
+            progress=sweep.progress,
+            eta_seconds=sweep.eta_seconds,
+            request=sweep.request,
+            links={
+                "self": link,
+                "page": f"/sweeps/{sweep.id}",
+                **{part: f"{link}/{part}" for part in parts},
+                "plot": f"{link}/plot.png",
+            },
+        )

@@ -1,0 +1,94 @@
+"""What an operator can set: environment variables `D3PG_*`, each also a flag of `d3pg serve`."""
+
+import os
+from functools import cached_property
+from pathlib import Path
+from typing import Annotated, Self
+
+from pydantic import Field, SecretStr, field_validator, model_validator
+from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
+
+LOOPBACK_HOSTS = frozenset({"127.0.0.1", "localhost", "[::1]"})
+WILDCARD_ADDRESSES = frozenset({"0.0.0.0", "::"})  # noqa: S104 - recognised, not bound
+MIN_TOKEN_LENGTH = 16
+
+
+class Settings(BaseSettings):
+    """The service's settings. A wrong one is refused by name when the service starts.
+
+    host          address to bind; another than loopback needs `allow_host`
+    port          TCP port
+    data_dir      database, token, checkpoints and logs of one service
+    database_url  SQLAlchemy URL; empty: SQLite in the data directory
+    ray_address   a Ray cluster to join; empty: a local one of the service's own
+    workers       local worker slots; default: the cores this process may use
+    token         access token; empty: the data directory's token file
+    allow_host    host names, besides loopback, under which browsers may reach the service
+    """
+
+    model_config = SettingsConfigDict(
+        env_prefix="D3PG_", env_ignore_empty=True, extra="ignore", frozen=True
+    )
+
+    host: str = "127.0.0.1"
+    port: int = Field(default=8000, ge=0, le=65535)
+    data_dir: Path = Path("d3pg-data")
+    database_url: str = ""
+    ray_address: str = ""
+    workers: int = Field(default_factory=lambda: len(os.sched_getaffinity(0)), ge=1, le=4096)
+    token: SecretStr | None = None
+    allow_host: Annotated[tuple[str, ...], NoDecode] = ()
+
+    @field_validator("allow_host", mode="before")
+    @classmethod
+    def _split_at_commas(cls, value: object) -> object:
+        if isinstance(value, str):
+            return tuple(name.strip().lower() for name in value.split(",") if name.strip())
+        return value
+
+    @field_validator("token")
+    @classmethod
+    def _refuse_short_token(cls, value: SecretStr | None) -> SecretStr | None:
+        if value is not None and len(value.get_secret_value()) < MIN_TOKEN_LENGTH:
+            raise ValueError(
+                f"a token has at least {MIN_TOKEN_LENGTH} characters, so that nobody guesses it; "
+                "leave D3PG_TOKEN unset to have one made"
+            )
+        return value
+
+    @model_validator(mode="after")
+    def _refuse_unnamed_exposure(self) -> Self:
+        if not self.is_loopback and not self.allow_host:
+            raise ValueError(
+                f"D3PG_HOST={self.host} makes the service reachable from other machines: name the "
+                "host names it is reached by in D3PG_ALLOW_HOST (--allow-host), separated by commas"
+            )
+        return self
+
+    @property
+    def is_loopback(self) -> bool:
+        """Whether only this machine can reach the service."""
+        return as_url_host(self.host) in LOOPBACK_HOSTS
+
+    @cached_property
+    def allowed_hosts(self) -> frozenset[str]:
+        """Host names (as in a URL, without port) that a request may be addressed to."""
+        own = set() if self.host in WILDCARD_ADDRESSES else {as_url_host(self.host)}
+        return LOOPBACK_HOSTS | own | {as_url_host(name) for name in self.allow_host}
+
+    @property
+    def store_url(self) -> str:
+        """The database: `database_url`, else SQLite in the data directory."""
+        return self.database_url or f"sqlite:///{(self.data_dir / 'd3pg.sqlite').resolve()}"
+
+    @property
+    def url(self) -> str:
+        """Where a browser on this machine finds the service."""
+        host = "127.0.0.1" if self.host in WILDCARD_ADDRESSES else as_url_host(self.host)
+        return f"http://{host}:{self.port}"
+
+
+def as_url_host(host: str) -> str:
+    """Write a host as URLs and Host headers do: lower case, an IPv6 address in brackets."""
+    host = host.lower()
+    return f"[{host}]" if ":" in host and not host.startswith("[") else host
