@@ -17,7 +17,11 @@ GROUP = "d3pg.environments"
 
 OWN = {
     "MassPoint": "physics.mass_point:MassPoint",
+    "CartPole": "physics.cart_pole:CartPole",
+    "CartPoleSwingUp": "physics.cart_pole_swing_up:CartPoleSwingUp",
     "Pendulum": "physics.pendulum:Pendulum",
+    "MountainCar": "physics.mountain_car:MountainCar",
+    "Acrobot": "physics.acrobot:Acrobot",
 }
 
 

@@ -18,7 +18,9 @@ def episode_return(
     return total
 
 
-@pytest.mark.parametrize("name", ["MassPoint", "Pendulum"])
+@pytest.mark.parametrize(
+    "name", ["MassPoint", "CartPole", "CartPoleSwingUp", "Pendulum", "MountainCar"]
+)
 def test_gradient_of_an_episode(name: str) -> None:
     environment = physics.make(name)
     start = torch.from_numpy(environment.initial_states([1, 2])).requires_grad_()
@@ -38,6 +40,14 @@ def test_state_gradient_alone() -> None:
     (gradient,) = torch.autograd.grad(omega, state)
     exact = environment.differentiate(state.detach().numpy(), action.numpy())
     np.testing.assert_array_equal(gradient[0].numpy(), exact.state_jacobian[0, 1])
+
+
+def test_a_reward_that_is_not_differentiable_says_so() -> None:
+    environment = physics.make("Acrobot")
+    state = torch.zeros((1, 4), dtype=torch.float64, requires_grad=True)
+    transition = physics.torch_step(environment, state, torch.zeros((1, 1), dtype=torch.float64))
+    assert transition.next_state.requires_grad
+    assert not transition.reward.requires_grad
 
 
 def test_other_types_are_refused() -> None:

@@ -1,28 +1,11 @@
-"""Pendulum: Gymnasium's own numbers, and energy."""
-
-from typing import Any
+"""Pendulum: energy, and what its clips do."""
 
 import numpy as np
-import pytest
-from gymnasium.envs.classic_control.pendulum import PendulumEnv
 
 import physics
 from physics.environment import FloatArray
 from physics.pendulum import DT, GRAVITY, LENGTH, MASS
 from physics.randomness import generator
-
-
-def test_every_transition_is_gymnasiums() -> None:
-    environment = physics.make("Pendulum")
-    peer: Any = PendulumEnv()
-    states, actions = environment.sample(generator(0, "parity"), 20_000)
-    transition = environment.step(states, actions)
-    for row in range(len(states)):
-        peer.state = states[row]
-        _, reward, terminated, _, _ = peer.step(2.0 * actions[row])
-        np.testing.assert_allclose(transition.next_state[row], peer.state, rtol=0, atol=1e-12)
-        assert transition.reward[row] == pytest.approx(reward, abs=1e-12)
-        assert bool(transition.terminated[row]) == terminated
 
 
 def test_energy_changes_by_the_motors_work() -> None:
@@ -46,3 +29,14 @@ def test_energy_changes_by_the_motors_work() -> None:
     work = 2.0 * actions[:, 0] * omega * DT
     bound = DT**2 / 2.0 * (inertia * alpha**2 + weight * omega**2)
     assert (np.abs(energy(following) - energy(states) - work) <= bound + 1e-12).all()
+
+
+def test_no_speed_beyond_eight() -> None:
+    environment = physics.make("Pendulum")
+    states = np.array([[np.pi / 2, 7.9], [-np.pi / 2, -7.9]])
+    linearization = environment.differentiate(states, np.array([[1.0], [-1.0]]))
+    np.testing.assert_array_equal(linearization.transition.next_state[:, 1], [8.0, -8.0])
+    assert not linearization.state_jacobian[:, 1].any()
+    assert not linearization.action_jacobian.any()
+    # Only the angle itself goes on counting.
+    np.testing.assert_array_equal(linearization.state_jacobian[:, 0], [[1.0, 0.0], [1.0, 0.0]])
