@@ -74,11 +74,11 @@ class Panel:
 
 @dataclass(frozen=True)
 class Comparison:
-    """A sweep seen through a view, with a sentence that says what is drawn."""
+    """A sweep seen through a view."""
 
     view: View
-    definition: str
     panels: tuple[Panel, ...]
+    is_interpolated: bool
 
 
 def compare(
@@ -103,13 +103,18 @@ def compare(
         ]
         panels.append(Panel(environment, zero, tuple(curves)))
     is_interpolated = any(c.curve.is_interpolated for panel in panels for c in panel.curves)
-    return Comparison(view, definition(view, is_interpolated), tuple(panels))
+    return Comparison(view, tuple(panels), is_interpolated)
 
 
-def definition(view: View, is_interpolated: bool) -> str:
-    """Say what a curve shows: statistic, band, n, normalisation, interpolation."""
-    metric = METRIC_TEXT.get(view.metric, view.metric)
-    sentences = [f"Mean and {BAND_TEXT[view.band]} over the n runs (seeds) of {metric}."]
+def definition(comparisons: Sequence[Comparison]) -> str:
+    """Say what curves show: statistic, band, n, normalisation, interpolation.
+
+    Several comparisons differ in their metric alone.
+    """
+    view = comparisons[0].view
+    metrics = [each.view.metric for each in comparisons]
+    named = " and of ".join(METRIC_TEXT.get(metric, metric) for metric in metrics)
+    sentences = [f"Mean and {BAND_TEXT[view.band]} over the n runs (seeds) of {named}."]
     if view.normalized:
         sentences.append(
             "Normalised: 0 is the mean return of uniform random actions, "
@@ -118,7 +123,7 @@ def definition(view: View, is_interpolated: bool) -> str:
     elif view.metric in RETURNS:
         sentences.append("Raw returns.")
     sentences.append("n counts the runs with a finite value there; no smoothing.")
-    if is_interpolated:
+    if any(each.is_interpolated for each in comparisons):
         sentences.append(
             f"Runs were measured at different {view.x}: each is interpolated linearly between "
             "its own measurements."

@@ -6,6 +6,7 @@ the same bytes, so a picture can be compared and cached.
 """
 
 import io
+import math
 import textwrap
 import threading
 import unicodedata
@@ -17,8 +18,9 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import EngFormatter
 
-from service.comparison import Comparison, LabelledCurve, Panel
+from service.comparison import Comparison, LabelledCurve, Panel, definition
 from service.palette import colour
 
 Form = Literal["png", "svg"]
@@ -26,14 +28,15 @@ Style = Mapping[str, Any]
 
 COLUMN_INCHES = 2.8
 MIN_WIDTH_INCHES = 6.4
-HEIGHT_INCHES = 5.6
+PANELS_INCHES = 5.2  # both rows and the caption
 DOTS_PER_INCH = 130
 LEGEND_COLUMN_INCHES = 1.8
+LEGEND_ROW_INCHES = 0.18
 CAPTION_CHARACTERS_PER_INCH = 19
 MAX_CHARACTERS = 120
 DASHES = ("solid", (0, (5, 2)), (0, (1, 1.5)), (0, (5, 2, 1, 2)))
 METADATA: Mapping[Form, Mapping[str, None]] = {"png": {"Software": None}, "svg": {"Date": None}}
-INVISIBLE = frozenset({"Cc", "Cs", "Cn", "Co"})  # Unicode categories
+INVISIBLE = frozenset({"Cc", "Cf", "Cs", "Cn", "Co"})  # Unicode categories
 
 # matplotlib keeps its settings and caches for the process: nobody's matplotlibrc may change the
 # figure, names are text and not mathematics, and one thread draws at a time.
@@ -53,16 +56,16 @@ def draw(title: str, rows: Sequence[Comparison], form: Form) -> bytes:
     return file.getvalue()
 
 
-def caption(comparison: Comparison) -> str:
+def caption(rows: Sequence[Comparison]) -> str:
     """Say what the figure shows, with the number of runs in its curves."""
-    counts = [int(one.curve.n.max(initial=0)) for one in _all_curves(comparison)]
+    counts = [int(one.curve.n.max(initial=0)) for row in rows for one in _all_curves(row)]
     least, most = min(counts, default=0), max(counts, default=0)
     n = f"n = {most}" if least == most else f"n = {least} to {most}"
-    return f"{comparison.definition} {n}."
+    return f"{definition(rows)} {n}."
 
 
 def printable(text: str) -> str:
-    """Return text without control characters, which are illegal in an SVG, cut to a line."""
+    """Return text cut to a line, without controls: an SVG forbids some, some turn text around."""
     shown = text if len(text) <= MAX_CHARACTERS else f"{text[: MAX_CHARACTERS - 1]}…"
     return "".join("\ufffd" if unicodedata.category(each) in INVISIBLE else each for each in shown)
 
@@ -70,9 +73,12 @@ def printable(text: str) -> str:
 def _figure(title: str, rows: Sequence[Comparison]) -> Figure:
     panels = max(1, len(rows[0].panels))
     width = max(MIN_WIDTH_INCHES, COLUMN_INCHES * panels)
-    figure = Figure(figsize=(width, HEIGHT_INCHES), layout="constrained")
-    axes = figure.subplots(len(rows), panels, sharex="col", squeeze=False)
     styles = _styles(rows[0])
+    legend_columns = max(1, min(len(styles), int(width / LEGEND_COLUMN_INCHES)))
+    legend_rows = 1 + math.ceil(len(styles) / legend_columns)
+    height = PANELS_INCHES + LEGEND_ROW_INCHES * legend_rows
+    figure = Figure(figsize=(width, height), layout="constrained")
+    axes = figure.subplots(len(rows), panels, sharex="col", squeeze=False)
     for axes_row, comparison in zip(axes, rows, strict=True):
         for ax, panel in zip(axes_row, comparison.panels, strict=False):
             _draw_panel(ax, panel, styles)
@@ -82,9 +88,15 @@ def _figure(title: str, rows: Sequence[Comparison]) -> Figure:
         ax.set_title(printable(panel.environment))
     for ax in axes[-1]:
         ax.set_xlabel(rows[0].view.x)
-    figure.suptitle(printable(title))
-    _add_legend(figure, styles, width)
-    lines = textwrap.wrap(caption(rows[0]), int(width * CAPTION_CHARACTERS_PER_INCH))
+        ax.xaxis.set_major_formatter(EngFormatter(sep=""))  # 20k
+    figure.legend(
+        title=printable(title),
+        handles=[Line2D([], [], label=printable(label), **styles[label]) for label in styles],
+        loc="outside upper center",
+        ncols=legend_columns,
+        frameon=False,
+    )
+    lines = textwrap.wrap(caption(rows), int(width * CAPTION_CHARACTERS_PER_INCH))
     figure.supxlabel("\n".join(lines), fontsize=7)
     return figure
 
@@ -117,15 +129,6 @@ def _styles(comparison: Comparison) -> dict[str, Style]:
                 "linestyle": DASHES[index % len(DASHES)],
             }
     return styles
-
-
-def _add_legend(figure: Figure, styles: Mapping[str, Style], width: float) -> None:
-    figure.legend(
-        handles=[Line2D([], [], label=printable(label), **styles[label]) for label in styles],
-        loc="outside upper center",
-        ncols=max(1, min(len(styles), int(width / LEGEND_COLUMN_INCHES))),
-        frameon=False,
-    )
 
 
 def _all_curves(comparison: Comparison) -> list[LabelledCurve]:

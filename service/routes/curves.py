@@ -15,12 +15,14 @@ from service.schemas.curves_answer import CurvesAnswer, curves_json
 from service.schemas.sweep_request import Text
 from service.store.store import Store
 from service.submission.nearest import unknown_name
+from service.sweep import Sweep
 
 router = APIRouter(prefix="/sweeps/{sweep_id}", tags=["curves"])
 
 DEFAULT_POINTS = 300
 MAX_POINTS = 10_000
-MEDIA_TYPES: dict[Form, str] = {"png": "image/png", "svg": "image/svg+xml"}
+MAX_TOTAL_POINTS = 500_000
+MAX_FIGURE_CURVES = 500
 
 
 class BandQuery(BaseModel):
@@ -33,7 +35,15 @@ class BandQuery(BaseModel):
     )
     band: Band = "std"
     x: Abscissa = "timesteps"
-    max_points: int = Field(default=DEFAULT_POINTS, ge=2, le=MAX_POINTS)
+    max_points: int = Field(
+        default=DEFAULT_POINTS,
+        ge=2,
+        le=MAX_POINTS,
+        description=(
+            "Of a curve, by leaving points out; fewer where all curves together would have more "
+            f"than {MAX_TOTAL_POINTS}."
+        ),
+    )
 
 
 class CurveQuery(BandQuery):
@@ -50,14 +60,14 @@ class CurveQuery(BandQuery):
 @router.get("/curves", response_model=CurvesAnswer)
 def get_curves(sweep: TheSweep, query: Annotated[CurveQuery, Query()], store: TheStore) -> Response:
     """Answer mean and band over seeds, exact, from all of them, with n."""
-    comparison = compared(store, sweep.id, view(query, query.metric))
+    comparison = _compared(store, sweep.id, query, query.metric, query.seeds)
     return Response(curves_json(sweep.id, comparison, query.seeds), media_type="application/json")
 
 
 @router.get("/plot.png", response_class=Response, responses={200: {"content": {"image/png": {}}}})
 def get_png(sweep: TheSweep, query: Annotated[BandQuery, Query()], store: TheStore) -> Response:
     """Draw the paper's figure 4 for this sweep: return_mean above return_history."""
-    return _figure(store, sweep.id, sweep.name, query, "png")
+    return Response(_figure(store, sweep, query, "png"), media_type="image/png")
 
 
 @router.get(
@@ -65,39 +75,42 @@ def get_png(sweep: TheSweep, query: Annotated[BandQuery, Query()], store: TheSto
 )
 def get_svg(sweep: TheSweep, query: Annotated[BandQuery, Query()], store: TheStore) -> Response:
     """Draw the same figure in vectors."""
-    return _figure(store, sweep.id, sweep.name, query, "svg")
+    return Response(_figure(store, sweep, query, "svg"), media_type="image/svg+xml")
 
 
-def view(query: BandQuery, metric: str) -> View:
-    """Return the view that is asked for. Raises InvalidRequest for what cannot be normalised."""
+def _compared(
+    store: Store, sweep_id: str, query: BandQuery, metric: str, with_seeds: bool
+) -> Comparison:
+    """Return a sweep's comparison. Raises InvalidRequest for a metric that cannot be shown."""
+    if metric not in RETURNS and metric not in (known := store.diagnostic_names(sweep_id)):
+        raise InvalidRequest([unknown_name("metric", metric, [*sorted(RETURNS), *known])])
     if query.normalized and metric not in RETURNS:
         fault = Fault("normalized", f"only returns have a normalised scale, {metric!r} has none")
         raise InvalidRequest([fault])
-    normalized = metric in RETURNS if query.normalized is None else query.normalized
-    return View(metric, normalized, query.band, query.x, query.max_points)
-
-
-def compared(store: Store, sweep_id: str, asked: View) -> Comparison:
-    """Return a sweep's comparison. Raises InvalidRequest for a metric that no run measures."""
-    if asked.metric not in RETURNS:
-        known = store.diagnostic_names(sweep_id)
-        if asked.metric not in known:
-            raise InvalidRequest([_unknown_metric(asked.metric, known)])
-    return compare(
-        store.curve_points(sweep_id, asked.metric, asked.x),
-        asked,
-        store.random_returns(),
-        lambda environment: environment_facts(environment).best_return,
+    runs = store.curve_points(sweep_id, metric, query.x)
+    lines = len(runs) if with_seeds else len({run.spec.cell for run in runs})
+    view = View(
+        metric=metric,
+        normalized=metric in RETURNS if query.normalized is None else query.normalized,
+        band=query.band,
+        x=query.x,
+        max_points=min(query.max_points, max(2, MAX_TOTAL_POINTS // lines)),
     )
+    return compare(runs, view, store.random_returns(), _best_return)
 
 
-def _unknown_metric(metric: str, diagnostics: list[str]) -> Fault:
-    return unknown_name("metric", metric, [*sorted(RETURNS), *diagnostics])
+def _best_return(environment: str) -> float:
+    return environment_facts(environment).best_return
 
 
-def _figure(store: Store, sweep_id: str, name: str, query: BandQuery, form: Form) -> Response:
+def _figure(store: Store, sweep: Sweep, query: BandQuery, form: Form) -> bytes:
+    """Draw a sweep. Raises InvalidRequest for one of more curves than eyes can tell apart."""
     rows = [
-        compared(store, sweep_id, view(query, metric))
+        _compared(store, sweep.id, query, metric, with_seeds=False)
         for metric in ("return_mean", "return_history")
     ]
-    return Response(draw(f"{name} ({sweep_id})", rows, form), media_type=MEDIA_TYPES[form])
+    curves = sum(len(panel.curves) for panel in rows[0].panels)
+    if curves > MAX_FIGURE_CURVES:
+        message = f"has {curves} curves; a figure shows at most {MAX_FIGURE_CURVES}"
+        raise InvalidRequest([Fault("sweep", message, MAX_FIGURE_CURVES)])
+    return draw(f"{sweep.name} ({sweep.id})", rows, form)

@@ -11,7 +11,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from service.comparison import Comparison, LabelledCurve, Panel
+from service.comparison import Comparison, LabelledCurve, Panel, definition
 from service.curves import Floats
 from service.schemas.run_answer import WeightsAnswer
 
@@ -122,7 +122,7 @@ def curves_json(sweep_id: str, comparison: Comparison, with_seeds: bool) -> byte
         "normalized": view.normalized,
         "band": view.band,
         "x": view.x,
-        "definition": comparison.definition,
+        "definition": definition([comparison]),
         "panels": [_panel(panel, with_seeds) for panel in comparison.panels],
     }
     return json.dumps(document, allow_nan=False, separators=(",", ":")).encode()

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import Column, Connection, Double, Row, insert, select, type_coerce
+from sqlalchemy import Column, Connection, Row, Select, insert, select
 
 from algorithms.measurement import Measurement
 from service.run import RunStatus
@@ -142,37 +142,34 @@ def _points(
     connection: Connection, sweep_id: str, metric: str, x: Column[Any]
 ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
     """All points of a sweep, in order of run and timestep: run number, x, value, each [n]."""
-    value: Column[Any] = measurements.c[metric] if metric in METRICS else measurements.c.diagnostics
-    is_plain = metric in METRICS
     query = (
-        select(
-            measurements.c.run_number,
-            type_coerce(x, Double),  # NULL stays None, which numpy reads as NaN
-            type_coerce(value, Double) if is_plain else value,
-            measurements.c.diagnostic_set,
-        )
+        select(measurements.c.run_number, x)
         .join(runs, runs.c.number == measurements.c.run_number)
         .join(sweeps, sweeps.c.number == runs.c.sweep_number)
         .where(sweeps.c.id == sweep_id)
         .order_by(measurements.c.run_number, measurements.c.timestep)
     )
-    names = {} if is_plain else diagnostics.sets(connection)
-    if not is_plain:
-        holding = [number for number, listed in names.items() if metric in listed]
-        query = query.where(measurements.c.diagnostic_set.in_(holding))
-    rows = connection.execute(query).all()
-    if not rows:
-        return np.empty(0, np.int64), np.empty(0), np.empty(0)
-    run_numbers, abscissa, found, in_set = zip(*rows, strict=True)
-    if is_plain:
-        values = np.array(found, np.float64)
-    else:
-        values = np.empty(len(found))
-        for number in set(in_set):
-            places = np.flatnonzero(np.array(in_set) == number)
-            packed = [found[place] for place in places]
-            values[places] = diagnostics.column(names[number], metric, packed)
-    return np.array(run_numbers, np.int64), np.array(abscissa, np.float64), values
+    if metric in METRICS:
+        rows = _driver_rows(connection, query.add_columns(measurements.c[metric]))
+        points = np.array(rows, np.float64).reshape(-1, 3)  # NULL comes as None, read as NaN
+        return points[:, 0].astype(np.int64), points[:, 1], points[:, 2]
+    names = diagnostics.sets(connection)
+    in_set = measurements.c.diagnostic_set
+    holding = [number for number, listed in names.items() if metric in listed]
+    query = query.add_columns(in_set, measurements.c.diagnostics).where(in_set.in_(holding))
+    rows = _driver_rows(connection, query)
+    points = np.array([row[:3] for row in rows], np.float64).reshape(-1, 3)
+    values = np.empty(len(rows))
+    for set_number in holding:
+        places = np.flatnonzero(points[:, 2] == set_number)
+        packed = [rows[place][3] for place in places]
+        values[places] = diagnostics.column(names[set_number], metric, packed)
+    return points[:, 0].astype(np.int64), points[:, 1], values
+
+
+def _driver_rows(connection: Connection, query: Select[Any]) -> list[tuple[Any, ...]]:
+    """Return the driver's own rows; SQLAlchemy's would cost three times as much."""
+    return list(connection.execute(query).cursor.fetchall())
 
 
 def _curve(
