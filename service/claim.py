@@ -13,6 +13,7 @@ class ClaimedRun:
     run_id: str
     attempt: int
     spec: RunSpec
+    environment_version: int
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,8 @@ from typing import Literal, TypeVar
 import numpy as np
 
 from service.curves import Band, Curve, Floats, Series, aggregate
-from service.random_return import RandomReturn
 from service.run_curve import RunCurve
+from workers.random_return import RandomReturn
 from workers.run_spec import Cell, RunSpec
 
 Item = TypeVar("Item")

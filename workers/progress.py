@@ -6,14 +6,16 @@ from enum import StrEnum
 from typing import Any
 
 from algorithms.measurement import Divergence, Measurement
+from workers.random_return import RandomReturn
 
 
 class Activity(StrEnum):
     """What a worker is doing."""
 
-    PREPARING = "preparing"
-    """Importing the learner and compiling its kernels; up to a minute at first use."""
+    COMPILING = "compiling"
+    """Loading the learner and compiling its kernels, at first use up to a minute."""
     TRAINING = "training"
+    """Past its first cycle."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +27,8 @@ class Progress:
     diverged      seeds that stopped being finite; they train no more
     finished      seeds that are done; they train no more
     dropped       seeds that the worker was told to drop and has dropped
-    fingerprint   versions, processor and code that the bits depend on; in the first one only
+    fingerprint   what the bits depend on; in the first one only
+    random_return of the task, once, where it was asked for
     """
 
     timestep: int
@@ -35,3 +38,19 @@ class Progress:
     finished: tuple[int, ...] = ()
     dropped: tuple[int, ...] = ()
     fingerprint: Mapping[str, Any] = field(default_factory=dict)
+    random_return: RandomReturn | None = None
+
+    @classmethod
+    def from_json(cls, document: Mapping[str, Any]) -> "Progress":
+        """Read what `dataclasses.asdict` made, also after a trip through JSON text."""
+        measured = document["random_return"]
+        return cls(
+            timestep=document["timestep"],
+            activity=Activity(document["activity"]),
+            measurements=tuple(Measurement(**entry) for entry in document["measurements"]),
+            diverged=tuple(Divergence(**entry) for entry in document["diverged"]),
+            finished=tuple(document["finished"]),
+            dropped=tuple(document["dropped"]),
+            fingerprint=document["fingerprint"],
+            random_return=measured and RandomReturn(**measured),
+        )

@@ -8,7 +8,6 @@ that was given up changes nothing (fencing), and no run that has ended changes a
 from typing import Any
 
 from sqlalchemy import (
-    ColumnElement,
     Connection,
     Row,
     Select,
@@ -24,7 +23,10 @@ from service.run import RunStatus
 from service.store import events
 from service.store.column_types import now
 from service.store.runs import run_name, spec_of
-from service.store.tables import attempts, runs, sweeps
+from service.store.tables import attempts, is_queued, is_running, runs, sweeps
+
+is_waiting = is_queued & (runs.c.not_before <= now())
+has_ended = is_running & (runs.c.lease_until < now())
 
 ALONE_AFTER = 2
 """A run that lost this many workers in a row trains alone, so as to take no neighbour with it."""
@@ -36,14 +38,8 @@ def claim(connection: Connection, worker: str, lease_seconds: float, limit: int)
     The sweep: highest priority, then fewest running runs, then longest not served, then oldest.
     In it: the first waiting run, and others of its cell.
     """
-    is_waiting = (runs.c.status == RunStatus.QUEUED) & (runs.c.not_before <= now())
     of_sweep = runs.c.sweep_number == sweeps.c.number
-    running = (
-        select(func.count())
-        .where(of_sweep, runs.c.status == RunStatus.RUNNING)
-        .correlate(sweeps)
-        .scalar_subquery()
-    )
+    running = select(func.count()).where(of_sweep, is_running).correlate(sweeps).scalar_subquery()
     sweep = connection.execute(
         select(sweeps.c.number, sweeps.c.id)
         .where(exists().where(of_sweep, is_waiting).correlate(sweeps))
@@ -52,10 +48,10 @@ def claim(connection: Connection, worker: str, lease_seconds: float, limit: int)
     ).one_or_none()
     if sweep is None:
         return None
-    numbers = _cohort(connection, (runs.c.sweep_number == sweep.number) & is_waiting, limit)
+    numbers = _cohort(connection, sweep.number, limit)
     taken = connection.execute(
         update(runs)
-        .where(runs.c.number.in_(numbers), runs.c.status == RunStatus.QUEUED)
+        .where(runs.c.number.in_(numbers), is_queued)
         .values(
             status=RunStatus.RUNNING,
             reason="",
@@ -92,15 +88,19 @@ def claim(connection: Connection, worker: str, lease_seconds: float, limit: int)
         worker,
         lease_seconds,
         tuple(
-            ClaimedRun(run_name(sweep.id, row.ordinal), row.attempt, spec_of(row)) for row in taken
+            ClaimedRun(
+                run_name(sweep.id, row.ordinal), row.attempt, spec_of(row), row.environment_version
+            )
+            for row in taken
         ),
     )
 
 
-def _cohort(connection: Connection, is_waiting: ColumnElement[bool], limit: int) -> list[int]:
+def _cohort(connection: Connection, sweep_number: int, limit: int) -> list[int]:
+    of_sweep = runs.c.sweep_number == sweep_number
     first = connection.execute(
         select(runs.c.number, runs.c.cell, runs.c.losses)
-        .where(is_waiting)
+        .where(of_sweep, is_waiting)
         .order_by(runs.c.ordinal)
         .limit(1)
     ).one()
@@ -108,7 +108,7 @@ def _cohort(connection: Connection, is_waiting: ColumnElement[bool], limit: int)
         return [first.number]
     query = (
         select(runs.c.number)
-        .where(is_waiting, runs.c.cell == first.cell, runs.c.losses < ALONE_AFTER)
+        .where(of_sweep, is_waiting, runs.c.cell == first.cell, runs.c.losses < ALONE_AFTER)
         .order_by(runs.c.ordinal)
         .limit(limit)
     )
@@ -126,7 +126,7 @@ def held_runs(connection: Connection, claim: Claim) -> dict[str, Row[Any]]:
         held_rows().where(
             sweeps.c.id == sweep_id,
             runs.c.ordinal.in_(ordinals),
-            runs.c.status == RunStatus.RUNNING,
+            is_running,
         )
     )
     found = {run_name(sweep_id, row.ordinal): row for row in rows}
@@ -140,9 +140,12 @@ def held_rows() -> Select[Any]:
     )
 
 
+def has_expired(connection: Connection) -> bool:
+    """Return whether the lease of any run has ended."""
+    return bool(connection.scalar(select(exists().where(has_ended))))
+
+
 def waiting(connection: Connection) -> int:
     """Return how many runs could be claimed now."""
-    query = select(func.count()).where(
-        runs.c.status == RunStatus.QUEUED, runs.c.not_before <= now()
-    )
+    query = select(func.count()).where(is_waiting)
     return connection.scalar(query) or 0

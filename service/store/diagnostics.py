@@ -6,6 +6,7 @@ of one diagnostic is read without looking at the others. The names stand once, i
 """
 
 import json
+import struct
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -19,7 +20,7 @@ FLOAT64 = np.dtype("<f8")
 
 def pack(values: Mapping[str, float]) -> bytes:
     """Write the values in their order."""
-    return np.fromiter(values.values(), FLOAT64, len(values)).tobytes()
+    return struct.pack(f"<{len(values)}d", *values.values())
 
 
 def unpack(names: Sequence[str], packed: bytes) -> dict[str, float]:

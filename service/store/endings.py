@@ -7,7 +7,7 @@ from sqlalchemy import Connection, Row, update
 from service.claim import Claim
 from service.run import RunStatus
 from service.store import events
-from service.store.claims import held_rows, held_runs
+from service.store.claims import has_ended, held_rows, held_runs
 from service.store.column_types import now
 from service.store.retry import RetryPolicy
 from service.store.runs import run_name
@@ -21,13 +21,6 @@ def fail(connection: Connection, claim: Claim, error: str, log_tail: str) -> Non
     reason = error.strip().rpartition("\n")[2] or "failed without a message"
     for row in held_runs(connection, claim).values():
         end(connection, row, RunStatus.FAILED, reason, error=error, log_tail=log_tail)
-
-
-def stop(connection: Connection, claim: Claim) -> None:
-    """End those runs of the claim whose cancelling was asked for; their worker has been ended."""
-    for row in held_runs(connection, claim).values():
-        if row.is_cancelling:
-            end(connection, row, RunStatus.CANCELLED, STOPPED)
 
 
 def release(connection: Connection, claim: Claim, reason: str) -> None:
@@ -46,9 +39,7 @@ def lose(
 
 def lose_expired(connection: Connection, policy: RetryPolicy) -> int:
     """Queue runs whose lease has run out again, after a wait, and return how many there were."""
-    expired = connection.execute(
-        held_rows().where(runs.c.status == RunStatus.RUNNING, runs.c.lease_until < now())
-    ).all()
+    expired = connection.execute(held_rows().where(has_ended)).all()
     for row in expired:
         _lose(connection, row, "its worker was not heard of until its lease ended", "", policy)
     return len(expired)

@@ -1,11 +1,12 @@
 """Measurements: adding new ones, reading one run's, reading a whole sweep's as columns."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import Column, Connection, Row, Select, insert, select
+from sqlalchemy import Column, Connection, Row, Select, select
 
 from algorithms.measurement import Measurement
 from service.run import RunStatus
@@ -14,6 +15,7 @@ from service.store import diagnostics
 from service.store.runs import named, run_name, spec_of
 from service.store.tables import measurements, runs, sweeps
 
+COLUMNS = tuple(column.name for column in measurements.columns)
 METRICS = ("return_mean", "return_history")
 ABSCISSAE: Mapping[str, Column[Any]] = {
     "timesteps": measurements.c.timestep,
@@ -53,26 +55,35 @@ def add(
 
 
 def _insert(connection: Connection, fresh: Mapping[tuple[int, int], Measurement]) -> None:
-    set_numbers: dict[tuple[str, ...], int] = {}
-    rows = []
-    for (number, timestep), measurement in fresh.items():
-        names = tuple(measurement.diagnostics)
-        if names not in set_numbers:
-            set_numbers[names] = diagnostics.set_number(connection, names)
-        rows.append(
-            {
-                "run_number": number,
-                "timestep": timestep,
-                "return_mean": measurement.return_mean,
-                "return_history": measurement.return_history,
-                "updates": measurement.updates,
-                "jacobians": measurement.jacobians,
-                "seconds": measurement.seconds,
-                "diagnostic_set": set_numbers[names],
-                "diagnostics": diagnostics.pack(measurement.diagnostics),
-            }
+    """Write rows straight through the driver, which takes a third of the time."""
+    set_numbers = {
+        names: diagnostics.set_number(connection, names)
+        for names in {tuple(measurement.diagnostics) for measurement in fresh.values()}
+    }
+    rows = [
+        (
+            number,
+            timestep,
+            _nan_as_null(measurement.return_mean),
+            _nan_as_null(measurement.return_history),
+            measurement.updates,
+            measurement.jacobians,
+            _nan_as_null(measurement.seconds),
+            set_numbers[tuple(measurement.diagnostics)],
+            diagnostics.pack(measurement.diagnostics),
         )
-    connection.execute(insert(measurements), rows)
+        for (number, timestep), measurement in fresh.items()
+    ]
+    mark = "?" if connection.dialect.paramstyle == "qmark" else "%s"
+    marks = ", ".join([mark] * len(COLUMNS))
+    connection.exec_driver_sql(
+        f"INSERT INTO measurements ({', '.join(COLUMNS)}) VALUES ({marks})",  # noqa: S608
+        rows,
+    )
+
+
+def _nan_as_null(value: float) -> float | None:
+    return None if math.isnan(value) else value
 
 
 def of_run(connection: Connection, run_id: str) -> list[Measurement]:
@@ -142,11 +153,14 @@ def _points(
     connection: Connection, sweep_id: str, metric: str, x: Column[Any]
 ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
     """All points of a sweep, in order of run and timestep: run number, x, value, each [n]."""
-    query = (
-        select(measurements.c.run_number, x)
-        .join(runs, runs.c.number == measurements.c.run_number)
+    of_sweep = (
+        select(runs.c.number)
         .join(sweeps, sweeps.c.number == runs.c.sweep_number)
         .where(sweeps.c.id == sweep_id)
+    )
+    query = (
+        select(measurements.c.run_number, x)
+        .where(measurements.c.run_number.in_(of_sweep))  # not joined: then nothing is sorted
         .order_by(measurements.c.run_number, measurements.c.timestep)
     )
     if metric in METRICS:

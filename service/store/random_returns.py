@@ -2,8 +2,8 @@
 
 from sqlalchemy import Connection, delete, insert, select
 
-from service.random_return import RandomReturn
 from service.store.tables import random_returns
+from workers.random_return import RandomReturn
 
 
 def put(connection: Connection, measured: RandomReturn) -> None:

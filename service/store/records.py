@@ -7,7 +7,7 @@ from sqlalchemy import Connection, Row, delete, update
 
 from service.claim import Claim
 from service.run import RunStatus
-from service.store import endings, events
+from service.store import endings, events, random_returns
 from service.store import measurements as points
 from service.store.claims import held_runs
 from service.store.column_types import now
@@ -25,6 +25,8 @@ def record(connection: Connection, claim: Claim, progress: Progress) -> set[str]
     if not held:
         return set()
     by_seed = {row.seed: row for row in held.values()}
+    if progress.random_return is not None:
+        random_returns.put(connection, progress.random_return)
     if progress.fingerprint:
         _fingerprint(connection, held, progress.fingerprint)
     connection.execute(

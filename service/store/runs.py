@@ -8,7 +8,7 @@ from service.run import Attempt, Run, RunStatus
 from service.store import events
 from service.store.column_types import now
 from service.store.refusal import ImpossibleMoveError, NotFoundError
-from service.store.tables import attempts, runs, sweeps
+from service.store.tables import attempts, is_queued, is_running, runs, sweeps
 from workers.run_spec import RunSpec
 
 
@@ -100,7 +100,7 @@ def cancelling(connection: Connection) -> set[str]:
     query = (
         select(sweeps.c.id, runs.c.ordinal)
         .join(sweeps, sweeps.c.number == runs.c.sweep_number)
-        .where(runs.c.is_cancelling, runs.c.status == RunStatus.RUNNING)
+        .where(runs.c.is_cancelling, is_running)
     )
     return {run_name(sweep_id, ordinal) for sweep_id, ordinal in connection.execute(query)}
 
@@ -109,7 +109,7 @@ def end_queued(connection: Connection, condition: ColumnElement[bool], reason: s
     """Cancel the queued runs that meet the condition."""
     ended = connection.execute(
         update(runs)
-        .where(condition, runs.c.status == RunStatus.QUEUED)
+        .where(condition, is_queued)
         .values(status=RunStatus.CANCELLED, reason=reason, finished_at=now())
         .returning(runs.c.sweep_number, runs.c.ordinal, runs.c.attempt, runs.c.timestep)
     ).all()

@@ -15,7 +15,6 @@ from sqlalchemy import Engine, text
 from algorithms.measurement import Measurement
 from service.claim import Claim
 from service.event import Event
-from service.random_return import RandomReturn
 from service.run import Attempt, Run, RunStatus
 from service.run_curve import RunCurve
 from service.store import (
@@ -34,6 +33,7 @@ from service.store.retry import RetryPolicy
 from service.store.writer import Writer
 from service.sweep import Sweep
 from workers.progress import Progress
+from workers.random_return import RandomReturn
 from workers.run_spec import COHORT_LIMIT, RunSpec
 
 
@@ -171,12 +171,11 @@ class Store:
         """End what is left of the claim as failed: an error in code, which would happen again."""
         self._writer.write(lambda c: endings.fail(c, claim, error, log_tail))
 
-    def stop(self, claim: Claim) -> None:
-        """End those runs of the claim whose cancelling was asked for."""
-        self._writer.write(lambda c: endings.stop(c, claim))
-
     def release(self, claim: Claim, reason: str) -> None:
-        """Queue what is left of the claim again at once; nothing was wrong with it."""
+        """Queue what is left of the claim again at once; nothing was wrong with it.
+
+        Here and in `lose`: runs whose cancelling was asked for are cancelled instead.
+        """
         self._writer.write(lambda c: endings.release(c, claim, reason))
 
     def lose(self, claim: Claim, reason: str, log_tail: str = "") -> None:
@@ -185,6 +184,9 @@ class Store:
 
     def lose_expired(self) -> int:
         """Do as `lose` with every run whose lease has ended; return how many there were."""
+        with self._readers.connect() as connection:  # usually none: then nothing is written
+            if not claims.has_expired(connection):
+                return 0
         return self._writer.write(lambda c: endings.lose_expired(c, self._retry))
 
     # ---- what was measured

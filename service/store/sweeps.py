@@ -21,7 +21,7 @@ from service.store import events
 from service.store.column_types import now
 from service.store.refusal import ImpossibleMoveError, NotFoundError
 from service.store.runs import end_queued
-from service.store.tables import runs, sweeps
+from service.store.tables import is_running, runs, sweeps
 from service.sweep import RunCounts, Sweep, SweepStatus
 from workers.run_spec import RunSpec
 
@@ -108,7 +108,7 @@ def cancel(connection: Connection, sweep_id: str) -> Sweep:
     ).scalar_one()
     connection.execute(
         update(runs)
-        .where(runs.c.sweep_number == number, runs.c.status == RunStatus.RUNNING)
+        .where(runs.c.sweep_number == number, is_running)
         .values(is_cancelling=True, reason="cancelling: its worker has been told to stop")
     )
     events.append(connection, [events.sweep_changed(number, sweep_id, "cancelled")])

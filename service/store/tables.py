@@ -23,6 +23,7 @@ from sqlalchemy import (
     Table,
     Text,
     UniqueConstraint,
+    literal,
     text,
 )
 
@@ -86,9 +87,27 @@ runs = Table(
     CheckConstraint("(status = 'running') = (lease_until IS NOT NULL)", name="lease"),
     sqlite_autoincrement=True,
 )
-Index("ix_runs_claim", runs.c.sweep_number, runs.c.status, runs.c.ordinal)
-_running = text("status = 'running'")
-Index("ix_runs_lease", runs.c.lease_until, sqlite_where=_running, postgresql_where=_running)
+# Written out, not bound: SQLite takes a partial index only for a condition it can read.
+is_queued = runs.c.status == literal("queued", literal_execute=True)
+is_running = runs.c.status == literal("running", literal_execute=True)
+Index("ix_runs_sweep_number_status_ordinal", runs.c.sweep_number, runs.c.status, runs.c.ordinal)
+_queued, _running = text("status = 'queued'"), text("status = 'running'")
+Index(
+    "ix_runs_queued",
+    runs.c.sweep_number,
+    runs.c.ordinal,
+    runs.c.not_before,
+    sqlite_where=_queued,
+    postgresql_where=_queued,
+)
+Index(
+    "ix_runs_running",
+    runs.c.sweep_number,
+    runs.c.lease_until,
+    runs.c.is_cancelling,
+    sqlite_where=_running,
+    postgresql_where=_running,
+)
 
 attempts = Table(
     "attempts",

@@ -85,15 +85,16 @@ def _make_runs() -> None:
         ),
         sqlite_autoincrement=True,
     )
-    op.create_index("ix_runs_claim", "runs", ["sweep_number", "status", "ordinal"])
-    running = sa.text("status = 'running'")
     op.create_index(
-        "ix_runs_lease",
-        "runs",
-        ["lease_until"],
-        sqlite_where=running,
-        postgresql_where=running,
+        "ix_runs_sweep_number_status_ordinal", "runs", ["sweep_number", "status", "ordinal"]
     )
+    _index_status("ix_runs_queued", ["sweep_number", "ordinal", "not_before"], "queued")
+    _index_status("ix_runs_running", ["sweep_number", "lease_until", "is_cancelling"], "running")
+
+
+def _index_status(name: str, columns: list[str], status: str) -> None:
+    condition = sa.text(f"status = '{status}'")
+    op.create_index(name, "runs", columns, sqlite_where=condition, postgresql_where=condition)
 
 
 def _make_attempts() -> None:

@@ -1,0 +1,43 @@
+"""A pool of workers, as seen by the one who gives them work."""
+
+from collections.abc import Collection, Sequence
+from typing import Protocol
+
+from workers.report import Report
+from workers.run_spec import RunSpec
+
+
+class PoolUnavailableError(RuntimeError):
+    """The pool cannot be had, or is no more; its text is a sentence that says why."""
+
+
+class Pool(Protocol):
+    """Workers, each with one piece of work at a time.
+
+    Every call returns at once; what comes of it arrives as reports. A command for a worker that is
+    no more does nothing: its Lost is on the way.
+    """
+
+    def start(self) -> None:
+        """Begin to bring workers up; each says Ready. Raises PoolUnavailableError."""
+
+    def train(self, worker: str, specs: Sequence[RunSpec], *, measure_random_return: bool) -> None:
+        """Train a cohort: News about once a second, then Ended, Failed or Lost.
+
+        Where asked, the random return of its task is measured first, and is in the News.
+        """
+
+    def drop(self, worker: str, seeds: Collection[int]) -> None:
+        """Ask a worker to train these seeds no further; it names them in a progress to come."""
+
+    def kill(self, worker: str) -> None:
+        """End a worker's process, whatever it does; Lost."""
+
+    def reports(self, timeout_seconds: float) -> list[Report]:
+        """Wait that long for reports and return those that came, in order.
+
+        Raises PoolUnavailableError when the pool is no more.
+        """
+
+    def close(self) -> None:
+        """End all workers and wait until nothing of the pool is left."""

@@ -1,0 +1,75 @@
+"""What a pool of workers tells the one who uses it. Each is a line of JSON on its way."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+
+from workers.progress import Progress
+
+
+@dataclass(frozen=True)
+class Ready:
+    """A worker is up and idle."""
+
+    worker: str
+    pid: int
+    host: str
+
+
+@dataclass(frozen=True)
+class News:
+    """A worker said something about the cohort it trains."""
+
+    worker: str
+    progress: Progress
+
+
+@dataclass(frozen=True)
+class Ended:
+    """A worker has no seed left to train, and is idle again."""
+
+    worker: str
+
+
+@dataclass(frozen=True)
+class Failed:
+    """The code that a worker ran raised; the worker is idle again. `error` is the traceback."""
+
+    worker: str
+    error: str
+    log_tail: str
+
+
+@dataclass(frozen=True)
+class Lost:
+    """A worker is no more. Another one will be ready in its place."""
+
+    worker: str
+    reason: str
+    log_tail: str
+
+
+Report = Ready | News | Ended | Failed | Lost
+
+KINDS: Mapping[str, type[Report]] = {
+    "ready": Ready,
+    "news": News,
+    "ended": Ended,
+    "failed": Failed,
+    "lost": Lost,
+}
+
+
+def to_line(report: Report) -> str:
+    """Write a report as JSON; `from_line` gives an equal one back (a NaN stays a NaN)."""
+    kind = next(kind for kind, noun in KINDS.items() if isinstance(report, noun))
+    return json.dumps({"kind": kind, **asdict(report)})
+
+
+def from_line(line: str | bytes) -> Report:
+    """Read what `to_line` wrote."""
+    fields = json.loads(line)
+    kind = KINDS[fields.pop("kind")]
+    if kind is News:
+        return News(fields["worker"], Progress.from_json(fields["progress"]))
+    return kind(**fields)
