@@ -37,6 +37,9 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
+FLOAT64 = np.dtype(np.float64)
+BOOL = np.dtype(np.bool_)
+
 
 class Transition(NamedTuple):
     """One step of each row of a batch."""
@@ -129,7 +132,7 @@ class Environment(ABC):
             UnsolvedStepError: when a row's equations have no solution within the solver's bounds.
         """
         states, actions = self._checked(states, actions)
-        transition = self._empty_transition(len(states))
+        transition = self._empty_transition(states.shape[0])
         unsolved = self.step_kernel(states, actions, *transition)
         if unsolved >= 0:
             raise self.failure(states[unsolved], actions[unsolved])
@@ -142,7 +145,7 @@ class Environment(ABC):
             ValueError, UnsolvedStepError: as `step`.
         """
         states, actions = self._checked(states, actions)
-        batch, n, m = len(states), self.state_size, self.action_size
+        batch, n, m = states.shape[0], self.state_size, self.action_size
         linearization = Linearization(
             self._empty_transition(batch),
             np.empty((batch, n, n)),
@@ -242,7 +245,7 @@ class Environment(ABC):
 
     def _empty_transition(self, batch: int) -> Transition:
         return Transition(
-            np.empty((batch, self.state_size)), np.empty(batch), np.empty(batch, np.bool_)
+            np.empty((batch, self.state_size)), np.empty(batch), np.empty(batch, BOOL)
         )
 
 
@@ -252,17 +255,28 @@ def clip_sides(actions: FloatArray) -> IntArray:
 
 
 def _float64_rows(array: Any, width: int, what: str) -> FloatArray:
-    """`array` as float64 [batch, width], contiguous and writeable as the kernels want it."""
+    """`array` as float64 [batch, width], contiguous and writeable as the kernels want it.
+
+    The first line is the way of nearly every call: a learner makes one for each step.
+    """
+    if (
+        type(array) is np.ndarray
+        and array.dtype is FLOAT64
+        and array.ndim == 2
+        and array.shape[1] == width
+        and array.flags.carray
+    ):
+        return array
     if not isinstance(array, np.ndarray):
         raise ValueError(
             f"{what} must be a numpy array, float64 [batch, {width}], not {type(array).__name__}"
         )
-    if array.dtype != np.float64 or array.ndim != 2 or array.shape[1] != width:
+    if array.dtype != FLOAT64 or array.ndim != 2 or array.shape[1] != width:
         raise ValueError(
             f"{what} must be float64 [batch, {width}], not {array.dtype} {list(array.shape)}"
         )
     # Another layout, or a read-only array, would compile the kernels a second time.
-    return array if array.flags.carray else array.copy(order="C")
+    return np.array(array, FLOAT64, order="C")
 
 
 @compiled

@@ -36,6 +36,28 @@ def free_speed(x: float, v: float, a: float) -> float:
 
 
 @compiled
+def step_row(
+    row: int,
+    states: FloatArray,
+    actions: FloatArray,
+    next_states: FloatArray,
+    rewards: FloatArray,
+    terminated: BoolArray,
+) -> float:
+    """Step one row; return its velocity before it is clipped."""
+    speed = free_speed(states[row, 0], states[row, 1], actions[row, 0])
+    v = min(max(speed, -MAX_SPEED), MAX_SPEED)
+    x = min(max(states[row, 0] + v, LEFT_WALL), RIGHT_WALL)
+    if x == LEFT_WALL and v < 0.0:
+        v = 0.0
+    next_states[row, 0] = x
+    next_states[row, 1] = v
+    rewards[row] = math.sin(3.0 * x) - 1.0
+    terminated[row] = x >= GOAL and v >= 0.0
+    return speed
+
+
+@compiled
 def step_rows(
     states: FloatArray,
     actions: FloatArray,
@@ -45,15 +67,7 @@ def step_rows(
 ) -> int:
     """Step every row; see `Environment.step_kernel`."""
     for row in range(states.shape[0]):
-        x = states[row, 0]
-        v = min(max(free_speed(x, states[row, 1], actions[row, 0]), -MAX_SPEED), MAX_SPEED)
-        x = min(max(x + v, LEFT_WALL), RIGHT_WALL)
-        if x == LEFT_WALL and v < 0.0:
-            v = 0.0
-        next_states[row, 0] = x
-        next_states[row, 1] = v
-        rewards[row] = math.sin(3.0 * x) - 1.0
-        terminated[row] = x >= GOAL and v >= 0.0
+        step_row(row, states, actions, next_states, rewards, terminated)
     return -1
 
 
@@ -71,13 +85,12 @@ def differentiate_rows(
     reward_next_state_gradients: FloatArray,
 ) -> int:
     """Step and differentiate every row; see `Environment.differentiate_kernel`."""
-    step_rows(states, actions, next_states, rewards, terminated)
     reward_state_gradients[:] = 0.0
     reward_action_gradients[:] = 0.0
     reward_next_state_gradients[:] = 0.0
     for row in range(states.shape[0]):
         x, a = states[row, 0], actions[row, 0]
-        speed = free_speed(x, states[row, 1], a)
+        speed = step_row(row, states, actions, next_states, rewards, terminated)
         v = min(max(speed, -MAX_SPEED), MAX_SPEED)
         moves = 1.0 if abs(speed) <= MAX_SPEED else 0.0
         by_x = moves * 3.0 * SLOPE * math.sin(3.0 * x)

@@ -64,6 +64,27 @@ def free_speeds(states: FloatArray, actions: FloatArray) -> FloatArray:
 
 
 @compiled
+def step_row(
+    row: int,
+    states: FloatArray,
+    actions: FloatArray,
+    next_states: FloatArray,
+    rewards: FloatArray,
+    terminated: BoolArray,
+) -> float:
+    """Step one row; return its rate before it is clipped."""
+    theta, omega, a = states[row, 0], states[row, 1], actions[row, 0]
+    u = MAX_TORQUE * min(max(a, -1.0), 1.0)
+    speed = free_speed(theta, omega, a)
+    following = min(max(speed, -MAX_SPEED), MAX_SPEED)
+    next_states[row, 0] = theta + following * DT
+    next_states[row, 1] = following
+    rewards[row] = -(wrap(theta) ** 2 + 0.1 * omega**2 + 0.001 * u**2)
+    terminated[row] = False
+    return speed
+
+
+@compiled
 def step_rows(
     states: FloatArray,
     actions: FloatArray,
@@ -73,13 +94,7 @@ def step_rows(
 ) -> int:
     """Step every row; see `Environment.step_kernel`."""
     for row in range(states.shape[0]):
-        theta, omega, a = states[row, 0], states[row, 1], actions[row, 0]
-        u = MAX_TORQUE * min(max(a, -1.0), 1.0)
-        speed = min(max(free_speed(theta, omega, a), -MAX_SPEED), MAX_SPEED)
-        next_states[row, 0] = theta + speed * DT
-        next_states[row, 1] = speed
-        rewards[row] = -(wrap(theta) ** 2 + 0.1 * omega**2 + 0.001 * u**2)
-        terminated[row] = False
+        step_row(row, states, actions, next_states, rewards, terminated)
     return -1
 
 
@@ -97,11 +112,11 @@ def differentiate_rows(
     reward_next_state_gradients: FloatArray,
 ) -> int:
     """Step and differentiate every row; see `Environment.differentiate_kernel`."""
-    step_rows(states, actions, next_states, rewards, terminated)
     for row in range(states.shape[0]):
         theta, omega, a = states[row, 0], states[row, 1], actions[row, 0]
+        speed = step_row(row, states, actions, next_states, rewards, terminated)
         torque_slope = MAX_TORQUE if abs(a) <= 1.0 else 0.0
-        speed_slope = 1.0 if abs(free_speed(theta, omega, a)) <= MAX_SPEED else 0.0
+        speed_slope = 1.0 if abs(speed) <= MAX_SPEED else 0.0
         by_theta = speed_slope * WEIGHT_TERM * math.cos(theta) * DT
         by_a = speed_slope * TORQUE_TERM * torque_slope * DT
         state_jacobians[row, 0, 0] = 1.0 + by_theta * DT

@@ -1,0 +1,58 @@
+"""`python -m physics`: compile the kernels, or audit the derivatives."""
+
+import argparse
+import sys
+import time
+
+from physics.audit import COUNT, RegimeAudit, as_table, audit, write_record
+from physics.catalogue import compile_kernels, make, names
+
+
+def main() -> int:
+    """Run one command; return the exit status."""
+    parser = argparse.ArgumentParser(prog="python -m physics", description=__doc__)
+    commands = parser.add_subparsers(dest="command", required=True)
+    compiling = commands.add_parser("compile", help="compile every kernel, or load it")
+    auditing = commands.add_parser("audit", help="hold every derivative against differences")
+    for command in (compiling, auditing):
+        command.add_argument("names", nargs="*", help="tasks (default: all)")
+    auditing.add_argument("--count", type=int, default=COUNT, help="smooth states of each regime")
+    auditing.add_argument("--write", action="store_true", help="keep it as the project's record")
+    arguments = parser.parse_args()
+    chosen = arguments.names or names()
+    compile_all(chosen)
+    if arguments.command == "audit":
+        return audit_all(chosen, arguments.count, arguments.write)
+    return 0
+
+
+def compile_all(chosen: list[str]) -> None:
+    """Compile task by task, saying so."""
+    for name, seconds in compile_kernels(chosen):
+        say(f"kernels of {name}: {seconds:.2f} s")
+
+
+def audit_all(chosen: list[str], count: int, keep: bool) -> int:
+    """Audit task by task; return 1 if a derivative is further off than allowed."""
+    rows: list[RegimeAudit] = []
+    for name in chosen:
+        start = time.perf_counter()
+        rows += audit(make(name), count)
+        say(f"audit of {name}: {time.perf_counter() - start:.1f} s")
+    say(as_table(rows))
+    if keep:
+        write_record(rows)
+    failed = [row for row in rows if not row.passed(count)]
+    for row in failed:
+        say(f"NOT PASSED: {row}")
+    return 1 if failed else 0
+
+
+def say(line: str) -> None:
+    """Print a line at once: whoever waits wants to see how far it is."""
+    sys.stdout.write(line + "\n")
+    sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
