@@ -37,9 +37,12 @@ def make(name: str) -> "Environment":
     """Make the task of that name.
 
     Raises:
-        ValueError: for an unknown name; it names the nearest known one.
+        ValueError: for an unknown name, naming the nearest known one; for an installed package
+            whose task calls itself otherwise than its entry point.
     """
     environment: Environment = _entry(name).load()()
+    if environment.name != name:
+        raise ValueError(f"entry point {name!r} makes a task named {environment.name!r}")
     return environment
 
 
