@@ -21,9 +21,10 @@ def test_the_table_of_tasks(name: str) -> None:
     environment = physics.make(name)
     rows = re.findall(rf"^\| {name} \| (.*) \|$", (DOCS / "tasks.md").read_text(), re.MULTILINE)
     assert len(rows) == 1, f"docs/tasks.md needs one row for {name}"
-    state, action, horizon, max_reward, reward, _ = rows[0].replace(r"\|", "!").split(" | ")
-    assert len(state.split(", ")) == environment.state_size
-    assert action
+    cells = rows[0].replace(r"\|", "!").split(" | ")
+    _, state_size, _, action_size, horizon, max_reward, reward, _ = cells
+    assert int(state_size) == environment.state_size
+    assert int(action_size) == environment.action_size
     assert int(horizon) == environment.horizon
     assert float(max_reward) == environment.max_reward
     assert ("not differentiable" in reward) == (not environment.reward_is_differentiable)
