@@ -22,6 +22,7 @@ OWN = {
     "Pendulum": "physics.pendulum:Pendulum",
     "MountainCar": "physics.mountain_car:MountainCar",
     "Acrobot": "physics.acrobot:Acrobot",
+    "RollingDie": "physics.rolling_die:RollingDie",
 }
 
 

@@ -22,6 +22,8 @@ WIDTHS = tuple(2e-3 / 4**k for k in range(6))
 _STENCIL = np.array([1.0, -1.0, 2.0, -2.0])
 _WEIGHTS = np.array([8.0, -8.0, -1.0, 1.0]) / 12.0
 
+ROUNDING = 1e-15  # of a step's numbers, which are of order 1 to 10
+
 # Below this size a derivative is compared absolutely: rounding has no relative meaning there.
 SMALLEST_SCALE = 1e-3
 
@@ -41,13 +43,14 @@ def differences(environment: Environment, states: FloatArray, actions: FloatArra
     """The derivatives of each row by central differences."""
     n = environment.state_size
     best = np.full((len(states), n + 1, n + environment.action_size), np.nan)
-    smallest_change = np.full_like(best, np.inf)
+    least_doubt = np.full_like(best, np.inf)
     before = best.copy()
     for width in WIDTHS:
         now = _at_width(environment, states, actions, width)
-        change = np.abs(now - before)
-        better = change < smallest_change  # never where either is NaN
-        best[better], smallest_change[better] = now[better], change[better]
+        # Two narrow widths may agree by chance: rounding alone speaks against them.
+        doubt = np.abs(now - before) + ROUNDING / width
+        better = doubt < least_doubt  # never where either is NaN
+        best[better], least_doubt[better] = now[better], doubt[better]
         before = now
     return Differences(best[:, :n], best[:, n], ~np.isnan(best).any(axis=(1, 2)))
 
@@ -96,6 +99,7 @@ def _at_width(
         np.einsum("k,bikj->bji", _WEIGHTS, y.reshape(batch, inputs, 4, n + 1)) / width
     )
     centre = environment.pieces(states, actions).piece
-    around = environment.pieces(s, a).piece.reshape(batch, -1, centre.shape[1])
-    slope[(around != centre[:, None]).any(axis=(1, 2))] = np.nan
+    around = environment.pieces(s, a).piece.reshape(batch, inputs, 4, -1)
+    crossing = (around != centre[:, None, None]).any(axis=(2, 3))
+    slope[np.broadcast_to(crossing[:, None], slope.shape)] = np.nan
     return slope
