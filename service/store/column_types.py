@@ -14,6 +14,8 @@ from sqlalchemy.sql.functions import FunctionElement
 class Exact(TypeDecorator[float]):
     """A float64. NULL is how NaN is written and NaN is how NULL is read; infinities stay.
 
+    SQLite keeps every bit but the sign of a zero.
+
     SQLite turns NaN into NULL by itself and PostgreSQL does not; saying it here makes both alike.
     A column of this type therefore cannot also mean "no value".
     """

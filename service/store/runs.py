@@ -113,15 +113,9 @@ def end_queued(connection: Connection, condition: ColumnElement[bool], reason: s
         .values(status=RunStatus.CANCELLED, reason=reason, finished_at=now())
         .returning(runs.c.sweep_number, runs.c.ordinal, runs.c.attempt, runs.c.timestep)
     ).all()
-    names: dict[int, str] = dict(
-        connection.execute(
-            select(sweeps.c.number, sweeps.c.id).where(
-                sweeps.c.number.in_({row.sweep_number for row in ended})
-            )
-        )
-        .tuples()
-        .all()
-    )
+    of_sweeps = sweeps.c.number.in_({row.sweep_number for row in ended})
+    named_sweeps = connection.execute(select(sweeps.c.number, sweeps.c.id).where(of_sweeps))
+    names = {row.number: row.id for row in named_sweeps}
     events.append(
         connection,
         [

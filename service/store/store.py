@@ -3,8 +3,8 @@
 Promises. Safe from any thread. Every method is one transaction: all of it happens or nothing, and
 what a method returned has survived a power cut. A crash leaves the last committed state. Final
 states never change, and a write under a claim that was given up changes nothing. Every change
-appends its event in the same transaction. Floats come back as they went in, NaN and infinities
-too.
+appends its event in the same transaction. Floats come back as they went in (see
+`column_types.Exact`), NaN and infinities too.
 """
 
 from collections.abc import Mapping, Sequence

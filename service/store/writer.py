@@ -88,11 +88,17 @@ class Writer:
 
 
 def _attempt(connection: Connection, unit: Unit) -> tuple[Any, Exception | None]:
-    """Run one unit in its savepoint. What it raises is given back; database errors go on up."""
+    """Run one unit in its savepoint. What it raises is given back; database errors go on up.
+
+    After a database error the savepoint may be gone: the whole transaction is rolled back then.
+    """
+    savepoint = connection.begin_nested()
     try:
-        with connection.begin_nested():
-            return unit(connection), None
+        result = unit(connection)
     except SQLAlchemyError:
         raise
     except Exception as refusal:
+        savepoint.rollback()
         return None, refusal
+    savepoint.commit()
+    return result, None

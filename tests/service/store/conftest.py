@@ -1,0 +1,77 @@
+"""One suite for every database: `store` is an empty one of each backend in turn."""
+
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from algorithms.measurement import Measurement
+from service.store.retry import RetryPolicy
+from service.store.store import Store
+from service.sweep import Sweep
+from workers.run_spec import RunSpec
+
+BACKENDS = ("sqlite",)
+AT_ONCE = RetryPolicy(losses=3, first_wait_seconds=0.0)
+
+Submit = Callable[..., Sweep]
+
+
+@pytest.fixture(scope="session")
+def migrated(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An empty SQLite database at this version's tables; copied, for migrating takes longer."""
+    path = tmp_path_factory.mktemp("store") / "empty.sqlite"
+    Store.open(f"sqlite:///{path}").close()
+    return path
+
+
+@pytest.fixture(params=BACKENDS)
+def url(migrated: Path, tmp_path: Path) -> str:
+    """The address of an empty database."""
+    path = tmp_path / "d3pg.sqlite"
+    shutil.copy(migrated, path)
+    return f"sqlite:///{path}"
+
+
+@pytest.fixture
+def store(url: str) -> Iterator[Store]:
+    """An empty store that tries runs again without a wait, thrice."""
+    opened = Store.open(url, AT_ONCE)
+    yield opened
+    opened.close()
+
+
+@pytest.fixture
+def submit(store: Store) -> Submit:
+    """Make a sweep of ddpg runs: `submit(seeds=4, environments=("Pendulum",), priority=0)`."""
+
+    def create(
+        seeds: int = 4,
+        environments: tuple[str, ...] = ("Pendulum",),
+        priority: int = 0,
+        timesteps: int = 1600,
+    ) -> Sweep:
+        specs = [
+            RunSpec("ddpg", environment, seed, timesteps=timesteps)
+            for environment in environments
+            for seed in range(seeds)
+        ]
+        versions = dict.fromkeys(environments, 1)
+        return store.create_sweep("a sweep", priority, {}, specs, environment_versions=versions)
+
+    return create
+
+
+def measured(seed: int, timestep: int, value: float = -1.0) -> Measurement:
+    """A measurement with two diagnostics."""
+    return Measurement(
+        seed=seed,
+        timestep=timestep,
+        return_mean=value,
+        return_history=value / 2,
+        updates=timestep // 2,
+        jacobians=3 * timestep,
+        seconds=timestep / 1000,
+        diagnostics={"critic_loss": value * value, "mean_q": value},
+    )

@@ -1,0 +1,242 @@
+"""In whatever order things happen, the store stays true.
+
+Stale writers change nothing, final states stay, no measurement is lost or doubled. A hypothesis
+state machine drives a store beside a plain model of what must be in it; claims live on after they
+were given up, and their writers go on writing.
+"""
+
+import shutil
+import tempfile
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+
+from hypothesis import settings
+from hypothesis import strategies as st
+from hypothesis.stateful import (
+    Bundle,
+    MultipleResults,
+    RuleBasedStateMachine,
+    consumes,
+    initialize,
+    invariant,
+    multiple,
+    rule,
+)
+
+from algorithms.measurement import Divergence
+from service.claim import Claim
+from service.run import RunStatus
+from service.store.refusal import ImpossibleMoveError
+from service.store.store import Store
+from tests.service.store.conftest import AT_ONCE, measured
+from workers.progress import Progress
+from workers.run_spec import RunSpec
+
+TIMESTEPS = 8000
+OVER = -1.0
+
+
+@cache
+def migrated() -> Path:
+    """An empty database, to copy: migrating takes longer."""
+    path = Path(tempfile.mkdtemp()) / "empty.sqlite"
+    Store.open(f"sqlite:///{path}").close()
+    return path
+
+
+@dataclass
+class Expected:
+    """What the store must say of a run."""
+
+    status: RunStatus = RunStatus.QUEUED
+    attempt: int = 0
+    is_cancelling: bool = False
+    losses: int = 0
+    timesteps: set[int] = field(default_factory=set)
+
+
+class StoreMachine(RuleBasedStateMachine):
+    """Sweeps of one cell each; every rule is something a client, a worker or a crash does."""
+
+    claims: Bundle[Claim] = Bundle("claims")
+
+    @initialize()
+    def open(self) -> None:
+        self.folder = Path(tempfile.mkdtemp())
+        self.url = f"sqlite:///{self.folder / 'd3pg.sqlite'}"
+        shutil.copy(migrated(), self.folder / "d3pg.sqlite")
+        self.store = Store.open(self.url, AT_ONCE)
+        self.runs: dict[str, Expected] = {}
+
+    def teardown(self) -> None:
+        self.store.close()
+        shutil.rmtree(self.folder)
+
+    def held(self, claim: Claim) -> list[str]:
+        """The runs of a claim that are still its own."""
+        return [
+            run.run_id
+            for run in claim.runs
+            if self.runs[run.run_id].status is RunStatus.RUNNING
+            and self.runs[run.run_id].attempt == run.attempt
+        ]
+
+    @rule(seeds=st.integers(1, 3), priority=st.integers(0, 1))
+    def submit(self, seeds: int, priority: int) -> None:
+        specs = [RunSpec("ddpg", "Pendulum", seed, timesteps=TIMESTEPS) for seed in range(seeds)]
+        sweep = self.store.create_sweep(
+            "x", priority, {}, specs, environment_versions={"Pendulum": 1}
+        )
+        self.runs.update({f"{sweep.id}-{ordinal}": Expected() for ordinal in range(seeds)})
+
+    @rule(target=claims, limit=st.integers(1, 3), lease=st.sampled_from([60.0, OVER]))
+    def claim(self, limit: int, lease: float) -> "Claim | MultipleResults[Claim]":
+        claim = self.store.claim_cohort("w", lease, limit)
+        waiting = {name for name, run in self.runs.items() if run.status is RunStatus.QUEUED}
+        if claim is None:
+            assert not waiting
+            return multiple()
+        assert {run.run_id for run in claim.runs} <= waiting
+        assert len(claim.runs) <= limit
+        for claimed in claim.runs:
+            run = self.runs[claimed.run_id]
+            run.status, run.attempt = RunStatus.RUNNING, run.attempt + 1
+            assert claimed.attempt == run.attempt
+        return claim
+
+    @rule(claim=claims, cycle=st.integers(1, 10))
+    def measure(self, claim: Claim, cycle: int) -> None:
+        timestep = 800 * cycle
+        taken = tuple(measured(run.spec.seed, timestep) for run in claim.runs)
+        held = self.held(claim)
+        assert self.store.record(claim, Progress(timestep, measurements=taken)) == set(held)
+        for name in held:
+            run = self.runs[name]
+            if timestep not in run.timesteps:
+                run.losses = 0
+            run.timesteps.add(timestep)
+
+    @rule(claim=claims, data=st.data())
+    def end_some(self, claim: Claim, data: st.DataObject) -> None:
+        ends = data.draw(
+            st.dictionaries(
+                st.sampled_from([run.spec.seed for run in claim.runs]),
+                st.sampled_from(["finished", "diverged", "dropped"]),
+            )
+        )
+        named = {how: [s for s, e in ends.items() if e == how] for how in set(ends.values())}
+        held = self.held(claim)
+        self.store.record(
+            claim,
+            Progress(
+                TIMESTEPS,
+                finished=tuple(named.get("finished", ())),
+                dropped=tuple(named.get("dropped", ())),
+                diverged=tuple(Divergence(s, 1, 1, "loss") for s in named.get("diverged", ())),
+            ),
+        )
+        for claimed in claim.runs:
+            run, how = self.runs[claimed.run_id], ends.get(claimed.spec.seed)
+            if claimed.run_id not in held or how is None:
+                continue
+            if how == "dropped" and not run.is_cancelling:
+                continue
+            run.status = {
+                "finished": RunStatus.SUCCEEDED,
+                "diverged": RunStatus.DIVERGED,
+                "dropped": RunStatus.CANCELLED,
+            }[how]
+
+    @rule(claim=claims)
+    def fail(self, claim: Claim) -> None:
+        held = self.held(claim)
+        self.store.fail(claim, "ValueError: x")
+        for name in held:
+            self.runs[name].status = RunStatus.FAILED
+
+    @rule(claim=claims)
+    def lose(self, claim: Claim) -> None:
+        held = self.held(claim)
+        self.store.lose(claim, "its worker was lost")
+        self.expect_loss(held)
+
+    @rule(claim=consumes(claims))
+    def release(self, claim: Claim) -> None:
+        held = self.held(claim)
+        self.store.release(claim, "stopped")
+        for name in held:
+            self.give_back(self.runs[name])
+
+    @rule()
+    def expire(self) -> None:
+        before = self.store.last_event_id()
+        self.store.lose_expired()
+        moved = {
+            event.payload["run_id"]
+            for event in self.store.events_after(before)
+            if event.kind == "run"
+        }
+        assert all(self.runs[name].status is RunStatus.RUNNING for name in moved)
+        self.expect_loss(list(moved))
+
+    def expect_loss(self, names: list[str]) -> None:
+        for name in names:
+            run = self.runs[name]
+            run.losses += 1
+            if run.losses > AT_ONCE.losses and not run.is_cancelling:
+                run.status = RunStatus.FAILED
+            else:
+                self.give_back(run)
+
+    def give_back(self, run: Expected) -> None:
+        run.status = RunStatus.CANCELLED if run.is_cancelling else RunStatus.QUEUED
+
+    @rule(data=st.data())
+    def cancel(self, data: st.DataObject) -> None:
+        if not self.runs:
+            return
+        name = data.draw(st.sampled_from(sorted(self.runs)))
+        run = self.runs[name]
+        try:
+            self.store.cancel_run(name)
+        except ImpossibleMoveError:
+            assert run.status.is_final
+            assert run.status is not RunStatus.CANCELLED
+            return
+        if run.status is RunStatus.QUEUED:
+            run.status = RunStatus.CANCELLED
+        elif run.status is RunStatus.RUNNING:
+            run.is_cancelling = True
+
+    @rule()
+    def restart(self) -> None:
+        self.store.close()
+        self.store = Store.open(self.url, AT_ONCE)
+
+    @invariant()
+    def store_says_what_the_model_says(self) -> None:
+        for name, expected in self.runs.items():
+            run = self.store.find_run(name)
+            assert run is not None
+            assert (run.status, run.attempt) == (expected.status, expected.attempt)
+            assert len(self.store.attempts(name)) == expected.attempt
+            points = [measurement.timestep for measurement in self.store.measurements(name)]
+            assert points == sorted(expected.timesteps)
+
+    @invariant()
+    def events_tell_the_same(self) -> None:
+        last = {
+            event.payload["run_id"]: event.payload["status"]
+            for event in self.store.events_after(0, limit=100_000)
+            if event.kind == "run"
+        }
+        assert last == {
+            name: run.status.value
+            for name, run in self.runs.items()
+            if run.attempt > 0 or run.status is not RunStatus.QUEUED
+        }
+
+
+StoreMachine.TestCase.settings = settings(max_examples=15, stateful_step_count=20, deadline=None)
+TestStoreInAnyOrder = StoreMachine.TestCase

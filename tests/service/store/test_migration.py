@@ -1,0 +1,45 @@
+"""Migrations: what they make is what `tables` says, and each can be undone."""
+
+from pathlib import Path
+
+from sqlalchemy import inspect
+
+from service.store import migration
+from service.store.connection import connect
+from service.store.store import Store
+from service.store.tables import metadata
+from tests.service.store.conftest import Submit
+
+
+def test_migrations_make_the_tables(url: str) -> None:
+    engine = connect(url, "writer")
+    migration.check(engine)
+    tables = set(inspect(engine).get_table_names())
+    engine.dispose()
+    assert tables == {*metadata.tables, "alembic_version"}
+
+
+def test_migrations_can_be_undone_and_done_again(url: str) -> None:
+    engine = connect(url, "writer")
+    migration.downgrade(engine, "base")
+    assert inspect(engine).get_table_names() == ["alembic_version"]
+    migration.upgrade(engine)
+    migration.check(engine)
+    engine.dispose()
+
+
+def test_indexes_that_migrations_make_are_those_of_the_tables(url: str) -> None:
+    engine = connect(url, "writer")
+    found = inspect(engine)
+    made = {name: {i["name"] for i in found.get_indexes(name)} for name in metadata.tables}
+    declared = {name: {i.name for i in t.indexes} for name, t in metadata.tables.items()}
+    engine.dispose()
+    assert made == declared
+
+
+def test_opening_again_keeps_everything(store: Store, submit: Submit, tmp_path: Path) -> None:
+    sweep = submit()
+    store.close()
+    again = Store.open(f"sqlite:///{tmp_path / 'd3pg.sqlite'}")
+    assert again.list_sweeps() == [sweep]
+    again.close()
