@@ -20,6 +20,7 @@ from service.routes import (
     events,
     health,
     measurements,
+    pages,
     runs,
     signin,
     sweeps,
@@ -57,6 +58,7 @@ def create_app(settings: Settings, store: Store, dispatcher: Dispatcher) -> Fast
     for router in (api, health.router, signin.router):
         app.include_router(router)
     documentation.add_documentation(app)
+    pages.add_pages(app)
     app.add_middleware(BodyLimit)
     app.add_middleware(Guard, settings=settings, token=token)
     app.add_middleware(AccessLog)

@@ -5,7 +5,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Response
 from pydantic import BaseModel, ConfigDict, Field
 
-from service.comparison import RETURNS, Abscissa, Comparison, View, compare
+from service.comparison import METRIC_TEXT, RETURNS, Abscissa, Comparison, View, compare
 from service.curves import Band
 from service.environment import environment_facts
 from service.plot import Form, draw
@@ -62,6 +62,12 @@ def get_curves(sweep: TheSweep, query: Annotated[CurveQuery, Query()], store: Th
     """Answer mean and band over seeds, exact, from all of them, with n."""
     comparison = _compared(store, sweep.id, query, query.metric, query.seeds)
     return Response(curves_json(sweep.id, comparison, query.seeds), media_type="application/json")
+
+
+@router.get("/metrics")
+def get_metrics(sweep: TheSweep, store: TheStore) -> list[str]:
+    """List what curves can show: the returns, and the diagnostics that runs have measured."""
+    return [*METRIC_TEXT, *store.diagnostic_names(sweep.id)]
 
 
 @router.get("/plot.png", response_class=Response, responses={200: {"content": {"image/png": {}}}})

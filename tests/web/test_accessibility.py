@@ -1,0 +1,80 @@
+"""Keyboard, contrast, names and roles, on every page in both themes; narrow screens too."""
+
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from playwright.sync_api import Page, expect
+
+from tests.web.live_service import LiveService
+
+pytestmark = pytest.mark.browser
+
+
+def violations(page: Page) -> list[str]:
+    """What axe finds, by rule, with the first element of each."""
+    found = Axe().run(page).response["violations"]
+    return [f"{each['id']} ({each['impact']}): {each['nodes'][0]['html'][:120]}" for each in found]
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_nothing(signed_in: Page, live: LiveService, scheme: str) -> None:
+    signed_in.emulate_media(color_scheme="dark" if scheme == "dark" else "light")
+    expect(signed_in.get_by_role("heading", name="No sweeps yet")).to_be_visible()
+    assert violations(signed_in) == []
+    sweep = live.add_sweep()
+    live.train(0, 9600)
+    live.diverge(seed=1)
+    expect(signed_in.get_by_role("row", name="first look")).to_contain_text("1 diverged")
+    assert violations(signed_in) == []
+    signed_in.goto(f"{live.url}/sweeps/{sweep.id}?table=Pendulum&hide=ddpg&scale=raw")
+    expect(signed_in.locator("#problems")).to_be_visible()
+    assert violations(signed_in) == []
+    signed_in.get_by_role("button", name="Cancel sweep").click()
+    assert violations(signed_in) == []
+
+
+@pytest.mark.parametrize("width", [1280, 400])
+def test_nothing_sticks_out(signed_in: Page, live: LiveService, width: int) -> None:
+    sweep = live.add_sweep(
+        "a name that is rather longer than anybody would need to call a sweep" * 2
+    )
+    live.train(0, 9600)
+    live.fail("ValueError: " + "x" * 300)
+    signed_in.set_viewport_size({"width": width, "height": 900})
+    for path in ("/", f"/sweeps/{sweep.id}?table=Pendulum"):
+        signed_in.goto(live.url + path)
+        expect(signed_in.locator("#loading")).to_be_hidden()
+        assert signed_in.evaluate("document.documentElement.scrollWidth") <= width
+
+
+def test_everything_is_reached_by_tab(signed_in: Page, live: LiveService) -> None:
+    sweep = live.add_sweep()
+    live.train(0, 9600)
+    signed_in.goto(f"{live.url}/sweeps/{sweep.id}")
+    expect(signed_in.locator("figure canvas")).to_have_count(2)
+    reached = []
+    for _ in range(40):
+        signed_in.keyboard.press("Tab")
+        reached.append(signed_in.evaluate("document.activeElement.outerHTML.slice(0, 200)"))
+        outline = signed_in.evaluate("getComputedStyle(document.activeElement).outlineStyle")
+        assert outline != "none", reached[-1]
+    text = "\n".join(reached)
+    for sought in (
+        "#content",
+        'id="theme"',
+        "download-png",
+        'id="cancel"',
+        "copy-link",
+        'name="metric"',
+        'name="scale"',
+        'name="x"',
+        'name="band"',
+        'name="logx"',
+        'name="smoothing"',
+        'name="seeds"',
+        'type="checkbox"',
+        "Show only",
+        'role="slider"',
+        "<summary",
+        "runs-status",
+    ):
+        assert sought in text, sought

@@ -1,0 +1,79 @@
+"""The scripts' own arithmetic, run where it will run: in the browser."""
+
+from typing import Any
+
+import pytest
+from playwright.sync_api import Page
+
+from service.palette import COLOURS, colour
+
+pytestmark = pytest.mark.browser
+
+
+def call(page: Page, module: str, function: str, *arguments: Any) -> Any:
+    """Call a function that a static module exports."""
+    script = "async ([path, name, values]) => (await import(path))[name](...values)"
+    return page.evaluate(script, [f"/static/{module}.js", function, list(arguments)])
+
+
+def test_smoothing_is_the_debiased_average(signed_in: Page) -> None:
+    values = [3.0, None, 1.0, 2.0]
+    smoothed = call(signed_in, "smoothing", "smooth", values, 0.5)
+    # m_1 = 1.5, m_2 = 1.25, m_3 = 1.625 over 1 - 2^-k
+    assert smoothed == [3.0, None, pytest.approx(1.25 / 0.75), pytest.approx(1.625 / 0.875)]
+    assert call(signed_in, "smoothing", "smooth", [7.0] * 5, 0.9) == pytest.approx([7.0] * 5)
+    assert call(signed_in, "smoothing", "smooth", values, 0) == values
+
+
+@pytest.mark.parametrize(
+    ("function", "value", "text"),
+    [
+        ("number", -1225.43, "−1,225"),
+        ("number", 0.000012345, "1.23E−5"),
+        ("number", None, "–"),
+        ("tick", 20_000, "20k"),
+        ("tick", -1500, "−1.5k"),
+        ("tick", 2_500_000, "2.5M"),
+        ("percent", 0.999, "99 %"),
+        ("percent", 0.29, "29 %"),
+        ("duration", 3725, "1 h 2 min"),
+        ("duration", 0.2, "0 s"),
+        ("duration", 180, "3 min"),
+        ("duration", 97_200, "1 d 3 h"),
+        ("remaining", 4, "a few seconds left"),
+        ("remaining", 111, "about 1 min 50 s left"),
+        ("remaining", 3599, "about 1 h left"),
+        ("remaining", None, ""),
+    ],
+)
+def test_format(signed_in: Page, function: str, value: float | None, text: str) -> None:
+    assert call(signed_in, "format", function, value) == text
+
+
+def test_bands_in_words(signed_in: Page) -> None:
+    assert call(signed_in, "format", "withBand", 0.8421, 0.8111, 0.8731) == "0.842 ± 0.031"
+    assert call(signed_in, "format", "withBand", 0.84, -0.5, 0.9) == "0.84 (−0.5 to 0.9)"
+    assert call(signed_in, "format", "withBand", -3.0, None, None) == "−3"
+
+
+def test_colours_are_those_of_the_figures_in_files(signed_in: Page) -> None:
+    for algorithm in [*COLOURS, "somebody-s-own", "td3", "ppo"]:
+        ours = call(signed_in, "palette", "algorithmColour", algorithm)
+        assert ours == colour(algorithm).lower()
+
+
+def test_grids_are_joined_without_inventing_values(signed_in: Page) -> None:
+    script = """async () => {
+      const { placement, union } = await import("/static/alignment.js");
+      const xs = union([[1, 3, 5], [2, 3]]);
+      return [xs, placement([2, 3], xs)([null, 7]).map((value) => value ?? String(value))];
+    }"""
+    assert signed_in.evaluate(script) == [[1, 2, 3, 5], [None, "null", 7, None]]
+
+
+def test_logarithmic_ticks_are_round_and_apart(signed_in: Page) -> None:
+    script = """async ([min, max]) => {
+      const { roundTicks } = await import("/static/ticks.js");
+      return roundTicks(min, max, (value) => 100 * Math.log10(value), 25);
+    }"""
+    assert signed_in.evaluate(script, [0.03, 20]) == [0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20]

@@ -1,0 +1,319 @@
+"""A sweep's page: what a person does, and what the page then says."""
+
+import csv
+import io
+import re
+from pathlib import Path
+from urllib.parse import parse_qs, urlsplit
+
+import pytest
+from playwright.sync_api import Locator, Page, expect
+
+from service.sweep import Sweep
+from tests.web.live_service import LiveService
+
+pytestmark = pytest.mark.browser
+
+
+@pytest.fixture
+def sweep(live: LiveService) -> Sweep:
+    """Halfway through."""
+    sweep = live.add_sweep()
+    live.train(0, 9600)
+    return sweep
+
+
+@pytest.fixture
+def opened(signed_in: Page, live: LiveService, sweep: Sweep) -> Page:
+    signed_in.goto(f"{live.url}/sweeps/{sweep.id}")
+    expect(signed_in.locator("figure canvas")).to_have_count(2)
+    return signed_in
+
+
+def panel(page: Page, environment: str) -> Locator:
+    return page.get_by_role("figure", name=environment)
+
+
+def table(page: Page, environment: str) -> Locator:
+    summary = panel(page, environment).get_by_text("View as table")
+    if not panel(page, environment).locator("details").evaluate("each => each.open"):
+        summary.click()
+    return panel(page, environment).get_by_role("table")
+
+
+def caption(page: Page, environment: str = "Pendulum") -> Locator:
+    return panel(page, environment).locator("figcaption")
+
+
+def state(page: Page) -> dict[str, list[str]]:
+    return parse_qs(urlsplit(page.url).query)
+
+
+def test_head_says_what_and_how_far(opened: Page) -> None:
+    expect(opened.get_by_role("heading", level=1)).to_have_text("first look")
+    expect(opened.locator("#summary")).to_contain_text("2 learners × 2 environments × 4 seeds")
+    expect(opened.locator("#percent")).to_have_text("48 %")
+    expect(opened.get_by_role("list", name="Runs by status")).to_have_text("16 running")
+    expect(opened).to_have_title("48 % · first look · d3pg")
+
+
+def test_curves_grow_by_themselves(opened: Page, live: LiveService) -> None:
+    rows = table(opened, "Pendulum").locator("tbody tr")
+    expect(rows).to_have_count(12)
+    expect(rows.last.get_by_role("rowheader")).to_have_text("9,600")
+    live.train(9600, 20_000)
+    expect(rows).to_have_count(25)
+    expect(opened.locator("#counts")).to_have_text("16 succeeded")
+    expect(opened.get_by_role("button", name="Cancel sweep")).to_be_hidden()
+
+
+def test_table_has_the_service_s_numbers(opened: Page, live: LiveService, sweep: Sweep) -> None:
+    answer = opened.request.get(f"{live.url}/api/v1/sweeps/{sweep.id}/curves").json()
+    curve = answer["panels"][1]["curves"][0]
+    cells = table(opened, "Pendulum").locator("tbody tr").last.get_by_role("cell").all_inner_texts()
+    shown = [float(text.replace("−", "-")) for text in cells[:4]]
+    assert shown == pytest.approx(
+        [curve["mean"][-1], curve["low"][-1], curve["high"][-1], curve["n"][-1]], rel=5e-4
+    )
+
+
+def test_captions_and_definition_say_what_is_shown(opened: Page, live: LiveService) -> None:
+    expect(caption(opened)).to_contain_text("Mean ± one standard deviation (ddof 1), n = 4 seeds.")
+    expect(caption(opened)).to_contain_text("0 is the random policy (return −1,225, 95 % interval")
+    expect(opened.locator("#definition")).to_contain_text("no smoothing")
+    opened.get_by_label("Band").select_option("ci95")
+    expect(caption(opened)).to_contain_text("95 % confidence interval (Student’s t)")
+    expect(opened.locator("#definition")).to_contain_text("95 % confidence interval")
+    opened.get_by_label("Band").select_option("none")
+    expect(caption(opened)).to_contain_text("Mean, n = 4 seeds.")
+    live.diverge(seed=1)
+    live.train(9600, 12_000)
+    expect(caption(opened, "MassPoint")).to_contain_text("n = 3 to 4 seeds")
+
+
+def test_raw_returns_and_back(opened: Page) -> None:
+    last = table(opened, "Pendulum").locator("tbody tr").last.get_by_role("cell").first
+    expect(last).to_contain_text(re.compile(r"^0\.\d+"))
+    opened.get_by_role("radio", name="raw").check()
+    expect(last).to_contain_text(re.compile(r"^−\d{3}"))
+    expect(caption(opened)).to_contain_text("Raw, undiscounted returns.")
+    assert state(opened) == {"scale": ["raw"], "table": ["Pendulum"]}
+
+
+def test_normalised_waits_for_the_random_policy(signed_in: Page, live: LiveService) -> None:
+    live.measure_random = lambda environment: None  # type: ignore[method-assign]
+    sweep = live.add_sweep()
+    live.train(0, 4000)
+    signed_in.goto(f"{live.url}/sweeps/{sweep.id}")
+    expect(caption(signed_in)).to_contain_text("The random policy has not been measured yet")
+
+
+def test_diagnostics_have_no_normalised_scale(opened: Page) -> None:
+    metric = opened.get_by_label("Metric")
+    expect(metric.locator("option")).to_have_text(["return_mean", "return_history", "critic_loss"])
+    metric.select_option("critic_loss")
+    expect(opened.get_by_role("radio", name="raw")).to_be_disabled()
+    expect(opened.locator("#definition")).to_contain_text("critic_loss")
+    expect(caption(opened)).not_to_contain_text("random")
+
+
+def test_the_address_is_the_whole_view(opened: Page, live: LiveService) -> None:
+    opened.get_by_label("Metric").select_option("return_history")
+    opened.get_by_label("Over").select_option("updates")
+    opened.get_by_label("Band").select_option("iqr")
+    opened.get_by_role("checkbox", name="x", exact=True).check()
+    opened.get_by_role("checkbox", name="y", exact=True).check()
+    opened.get_by_role("checkbox", name="each seed").check()
+    opened.get_by_label("Smoothing").fill("0.6")
+    opened.get_by_role("checkbox", name=re.compile("^ddpg")).uncheck()
+    expect(caption(opened)).to_contain_text("1 curve hidden.")
+    assert state(opened) == {
+        "metric": ["return_history"],
+        "x": ["updates"],
+        "band": ["iqr"],
+        "logx": ["1"],
+        "logy": ["1"],
+        "smoothing": ["0.6"],
+        "seeds": ["1"],
+        "hide": ["ddpg"],
+    }
+    texts = caption(opened).inner_text()
+    opened.reload()
+    expect(caption(opened)).to_have_text(texts)
+    expect(opened.get_by_label("Metric")).to_have_value("return_history")
+    expect(opened.get_by_role("checkbox", name=re.compile("^ddpg"))).not_to_be_checked()
+    opened.get_by_role("button", name="Reset view").click()
+    expect(caption(opened)).to_contain_text("n = 4 seeds. 0 is the random policy")
+    assert state(opened) == {}
+    expect(opened.get_by_role("button", name="Reset view")).to_be_hidden()
+
+
+def test_nonsense_in_the_address_is_ignored(
+    signed_in: Page, live: LiveService, sweep: Sweep
+) -> None:
+    signed_in.goto(f"{live.url}/sweeps/{sweep.id}?band=nobody&smoothing=7&scale=&hide=x&what=ever")
+    expect(caption(signed_in)).to_contain_text("Mean ± one standard deviation (ddof 1), n = 4")
+
+
+def test_legend_hides_and_solos(opened: Page) -> None:
+    headers = table(opened, "Pendulum").get_by_role("columnheader")
+    hybrid = opened.get_by_role("checkbox", name=re.compile("^hybrid-ddpg"))
+    hybrid.uncheck()
+    expect(headers.filter(has_text="hybrid-ddpg")).to_have_count(0)
+    hybrid.check()
+    expect(headers.filter(has_text="hybrid-ddpg")).to_have_count(1)
+    opened.get_by_role("button", name="Show only hybrid-ddpg").click()
+    expect(headers.filter(has_text=re.compile("^ddpg$"))).to_have_count(0)
+    expect(opened.get_by_role("checkbox", name=re.compile("^ddpg"))).not_to_be_checked()
+    opened.get_by_role("button", name="Show all").click()
+    expect(headers.filter(has_text=re.compile("^ddpg$"))).to_have_count(1)
+
+
+def test_hovering_one_panel_reads_all(opened: Page) -> None:
+    box = panel(opened, "MassPoint").locator("canvas").bounding_box()
+    assert box is not None
+    opened.mouse.move(box["x"] + box["width"] / 3, box["y"] + box["height"] / 2)
+    readouts = opened.locator(".readout")
+    texts = readouts.all_inner_texts()
+    steps = [text.splitlines()[0] for text in texts]
+    assert steps[0] == steps[1]
+    assert re.fullmatch(r"timesteps [\d,]+", steps[0])
+    for text in texts:
+        assert re.search(r"hybrid-ddpg\s+−?[\d.]+ ± [\d.]+\s+n 4", text)
+    opened.mouse.move(5, 5)
+    expect(readouts.first).to_be_hidden()
+    expect(readouts.last).to_be_hidden()
+
+
+def test_keyboard_reads_values(opened: Page) -> None:
+    chart = opened.get_by_role("slider", name="Learning curves of Pendulum")
+    chart.focus()
+    opened.keyboard.press("ArrowRight")
+    expect(chart).to_have_attribute("aria-valuenow", "800")
+    opened.keyboard.press("End")
+    expect(chart).to_have_attribute("aria-valuenow", "9600")
+    expect(chart).to_have_attribute(
+        "aria-valuetext", re.compile(r"^timesteps 9,600: ddpg .* ± .*, n 4; hybrid-ddpg .*, n 4$")
+    )
+    opened.keyboard.press("ArrowLeft")
+    expect(chart).to_have_attribute("aria-valuenow", "8800")
+    expect(panel(opened, "MassPoint").get_by_role("slider")).to_have_attribute(
+        "aria-valuenow", "8800"
+    )
+    opened.keyboard.press("Escape")
+    expect(chart).to_have_attribute("aria-valuetext", "no step chosen")
+
+
+def test_smoothing_leaves_the_numbers_alone(opened: Page) -> None:
+    rows = table(opened, "Pendulum").locator("tbody")
+    exact = rows.inner_text()
+    opened.get_by_label("Smoothing").fill("0.9")
+    expect(caption(opened)).to_contain_text("Bold lines are smoothed for display")
+    assert rows.inner_text() == exact
+
+
+def test_downloads(opened: Page, live: LiveService, sweep: Sweep) -> None:
+    opened.get_by_role("radio", name="raw").check()
+    expect(caption(opened)).to_contain_text("Raw")
+    with opened.expect_download() as downloading:
+        opened.get_by_role("button", name="CSV").click()
+    text = Path(downloading.value.path()).read_text(encoding="utf-8")
+    rows = list(csv.DictReader(io.StringIO(text)))
+    assert len(rows) == 2 * 2 * 12
+    answer = opened.request.get(
+        f"{live.url}/api/v1/sweeps/{sweep.id}/curves?normalized=false"
+    ).json()
+    curve = answer["panels"][0]["curves"][0]
+    assert [float(row["mean"]) for row in rows[:12]] == curve["mean"]
+    assert {row["normalized"] for row in rows} == {"false"}
+    for form in ("PNG", "SVG"):
+        with opened.expect_download() as downloading:
+            opened.get_by_role("link", name=form).click()
+        assert downloading.value.suggested_filename == f"sweep-{sweep.id}.{form.lower()}"
+        assert "normalized=false" in downloading.value.url
+
+
+def test_failures_are_told_with_their_reasons(opened: Page, live: LiveService) -> None:
+    live.fail("Traceback ...\nValueError: reward is not finite <b>here</b>")
+    problems = opened.locator("#problems")
+    expect(problems).to_contain_text("4 runs failed.")
+    expect(problems).to_contain_text(
+        "hybrid-ddpg, w1 0.1, w2 0.1 in Pendulum, seed 0 and 3 more: "
+        "ValueError: reward is not finite <b>here</b>"
+    )
+    live.diverge(seed=2)
+    expect(problems).to_contain_text("4 runs failed, 1 run diverged.")
+    opened.locator("#runs-status").select_option("diverged")
+    rows = opened.locator(".runs tbody tr")
+    expect(rows).to_have_count(1)
+    expect(rows).to_contain_text("critic_loss")
+    assert state(opened) == {"runs": ["diverged"]}
+
+
+def test_a_run_is_cancelled_alone(opened: Page, live: LiveService, sweep: Sweep) -> None:
+    opened.get_by_role("button", name=f"Cancel run {sweep.id}-0", exact=True).click()
+    opened.get_by_role("button", name="Cancel the run").click()
+    expect(opened.locator(".runs tbody tr").first).to_contain_text("cancelling")
+    assert len(live.store.cancelling_runs()) == 1
+
+
+def test_cancelling_the_sweep(opened: Page, live: LiveService) -> None:
+    live.add_sweep("bystander")
+    opened.get_by_role("button", name="Cancel sweep").click()
+    expect(opened.get_by_role("dialog")).to_contain_text("16 running runs will stop for good.")
+    opened.keyboard.press("Escape")
+    assert live.store.cancelling_runs() == set()
+    opened.get_by_role("button", name="Cancel sweep").click()
+    opened.get_by_role("button", name="Cancel the sweep").click()
+    expect(opened.locator(".runs tbody tr").first).to_contain_text("cancelling")
+    assert len(live.store.cancelling_runs()) == 16
+
+
+def test_a_theme_redraws_the_charts(opened: Page) -> None:
+    canvas = opened.locator("figure canvas").first
+    opened.emulate_media(color_scheme="light")
+    light = canvas.evaluate("each => each.toDataURL()")
+    opened.get_by_label("Theme").select_option("dark")
+    dark = canvas.evaluate("each => each.toDataURL()")
+    assert light != dark
+    assert opened.evaluate("getComputedStyle(document.documentElement).colorScheme") == "dark"
+    opened.reload()
+    expect(opened.get_by_label("Theme")).to_have_value("dark")
+    opened.get_by_label("Theme").select_option("system")
+    opened.emulate_media(color_scheme="dark")
+    expect(opened.locator("figure canvas")).to_have_count(2)
+
+
+def test_colours_belong_to_algorithms(signed_in: Page, live: LiveService) -> None:
+    for learners in ((("hybrid-ddpg", 0.1, 0.1), ("ddpg", 0.0, 0.0)), (("ddpg", 0.0, 0.0),)):
+        sweep = live.add_sweep(learners=learners)
+        signed_in.goto(f"{live.url}/sweeps/{sweep.id}")
+        line = (
+            signed_in.locator("#legend li label")
+            .filter(has_text=re.compile("^ddpg"))
+            .locator("line")
+        )
+        expect(line).to_have_attribute("stroke", "#0072b2")
+
+
+def test_variants_of_an_algorithm_differ_in_dashes(signed_in: Page, live: LiveService) -> None:
+    learners = (("hybrid-ddpg", 0.1, 0.1), ("hybrid-ddpg", 0.01, 0.0))
+    sweep = live.add_sweep(learners=learners, environments=("Pendulum",))
+    signed_in.goto(f"{live.url}/sweeps/{sweep.id}")
+    lines = signed_in.locator("#legend line")
+    expect(lines).to_have_count(2)
+    strokes = lines.evaluate_all("all => all.map((each) => each.getAttribute('stroke'))")
+    dashes = lines.evaluate_all("all => all.map((each) => each.getAttribute('stroke-dasharray'))")
+    assert strokes == ["#d55e00", "#d55e00"]
+    assert dashes[0] is None
+    assert dashes[1] is not None
+
+
+def test_an_unknown_sweep_says_so(
+    signed_in: Page, live: LiveService, complaints: list[str]
+) -> None:
+    signed_in.goto(f"{live.url}/sweeps/000000000000")
+    expect(signed_in.get_by_text("There is no sweep '000000000000'.")).to_be_visible()
+    expect(signed_in.locator("#curves")).to_be_hidden()
+    assert all("404" in complaint for complaint in complaints)
+    complaints.clear()
