@@ -7,7 +7,9 @@ Fourth-order central differences at a ladder of widths h, each a quarter of the 
 A width counts only where all of x, x +- h, x +- 2h lie on one smooth piece of the map (see
 `Environment.pieces`): a difference across a kink is no derivative of anything. Of the widths that
 count, the one that agrees best with the width before it is taken, entry by entry (Ridders 1982
-chooses so). Where no two neighbouring widths count, the state lies at a kink.
+chooses so). Where no two neighbouring widths count, or none agree to DOUBT of what they measure,
+the state lies at a kink: a width narrow enough to fit there tells the derivative no more. A quarter
+of the width makes the fourth order 256 times better: errors stay far below DOUBT.
 
 Glossary: `x` is state and action together, [batch, n + m]; `y` is next state and reward together.
 """
@@ -18,7 +20,7 @@ import numpy as np
 
 from physics.environment import BoolArray, Environment, FloatArray, Linearization
 
-WIDTHS = tuple(2e-3 / 4**k for k in range(6))
+WIDTHS = tuple(2e-3 / 4**k for k in range(8))
 _STENCIL = np.array([1.0, -1.0, 2.0, -2.0])
 _WEIGHTS = np.array([8.0, -8.0, -1.0, 1.0]) / 12.0
 
@@ -26,6 +28,9 @@ ROUNDING = 1e-15  # of a step's numbers, which are of order 1 to 10
 
 # Below this size a derivative is compared absolutely: rounding has no relative meaning there.
 SMALLEST_SCALE = 1e-3
+
+# How far two widths may disagree, relative to the largest entry of the matrix that they measure.
+DOUBT = 1e-4
 
 
 class Differences(NamedTuple):
@@ -52,11 +57,14 @@ def differences(environment: Environment, states: FloatArray, actions: FloatArra
         better = doubt < least_doubt  # never where either is NaN
         best[better], least_doubt[better] = now[better], doubt[better]
         before = now
-    return Differences(best[:, :n], best[:, n], ~np.isnan(best).any(axis=(1, 2)))
+    smooth = np.ones(len(states), np.bool_)
+    for near, doubt in zip(_matrices(best, n), _matrices(least_doubt, n), strict=True):
+        smooth &= doubt.max(axis=(1, 2)) <= DOUBT * _scale(near)  # never where either is NaN
+    return Differences(best[:, :n], best[:, n], smooth)
 
 
 def relative_errors(linearization: Linearization, reference: Differences) -> FloatArray:
-    """The worst relative error of each row's derivatives [batch], NaN at a kink.
+    """The worst relative error of each row's derivatives [batch], meaningless at a kink.
 
     Relative to the largest entry of the matrix that the entry stands in: state Jacobian, action
     Jacobian, the reward's gradient in the state and in the action, each by itself.
@@ -67,25 +75,32 @@ def relative_errors(linearization: Linearization, reference: Differences) -> Flo
     by_action = (
         linearization.reward_action_gradient[:, None] + through @ linearization.action_jacobian
     )
-    pairs = (
-        (linearization.state_jacobian, reference.jacobian[:, :, :n]),
-        (linearization.action_jacobian, reference.jacobian[:, :, n:]),
-        (by_state, reference.reward_gradient[:, None, :n]),
-        (by_action, reference.reward_gradient[:, None, n:]),
-    )
+    exact = linearization.state_jacobian, linearization.action_jacobian, by_state, by_action
+    together = np.concatenate([reference.jacobian, reference.reward_gradient[:, None]], axis=1)
     errors = [
-        np.abs(exact - near).max(axis=(1, 2))
-        / np.maximum(np.abs(exact).max(axis=(1, 2)), SMALLEST_SCALE)
-        for exact, near in pairs
+        np.abs(matrix - near).max(axis=(1, 2)) / _scale(matrix)
+        for matrix, near in zip(exact, _matrices(together, n), strict=True)
     ]
     worst: FloatArray = np.max(errors, axis=0)
     return worst
 
 
+def _matrices(together: FloatArray, n: int) -> tuple[FloatArray, ...]:
+    """The four judged apart, of [batch, n + 1, n + m]: next state and reward, by s and by a."""
+    following, reward = together[:, :n], together[:, n:]
+    return following[..., :n], following[..., n:], reward[..., :n], reward[..., n:]
+
+
+def _scale(matrix: FloatArray) -> FloatArray:
+    """What an error in a matrix [batch, ...] is relative to [batch]."""
+    largest: FloatArray = np.maximum(np.abs(matrix).max(axis=(1, 2)), SMALLEST_SCALE)
+    return largest
+
+
 def _at_width(
     environment: Environment, states: FloatArray, actions: FloatArray, width: float
 ) -> FloatArray:
-    """D(width) [batch, n + 1, n + m], NaN in rows whose stencil leaves the piece of its centre."""
+    """D(width) [batch, n + 1, n + m], NaN in columns whose stencil leaves its centre's piece."""
     n = environment.state_size
     x = np.concatenate([states, actions], axis=1)
     batch, inputs = x.shape
