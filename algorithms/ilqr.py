@@ -1,0 +1,135 @@
+"""iLQR: the iterative linear-quadratic regulator with control limits, for a cohort of plans.
+
+One iteration, of every plan that has not converged yet:
+
+    expansion   dynamics to first order, cost to second, around the plan     (ilqr_expansion)
+    backward    a better action at every step, and its feedback              (ilqr_backward, box_qp)
+    search      how far to follow it, tried in parallel                      (ilqr_search)
+
+A plan has converged when the backward pass hardly changes any action (mean `|d| / (|a| + 1)` below
+1e-4 while lambda is below 1e-5), when an iteration earned less than 1e-7, or when no regularisation
+makes it better.
+
+A plan covers a window of its episode, steps start to stop - 1. What lies before the window has been
+done; what lies after it, the plan does not look at. An episode that the task ends within the window
+costs nothing from there on, and its value is 0 there.
+
+Source: Tassa, Mansard and Todorov (2014) and their code.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from algorithms.ilqr_backward import (
+    Regularisation,
+    backward,
+    lower_level,
+    new_gains,
+    new_regularisation,
+    new_work,
+    raise_level,
+)
+from algorithms.ilqr_episode import Episodes
+from algorithms.ilqr_expansion import curved_directions, expand, new_expansion
+from algorithms.ilqr_search import ALPHAS, search
+from physics.compiled import compiled
+from physics.environment import Environment
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+SMALL_CHANGE = 1e-4
+SMALL_LEVEL = 1e-5
+SMALL_GAIN = 1e-7
+
+
+class Planner:
+    """Plans of P runs on one task, each improved by itself; their bits do not depend on P.
+
+    Attributes:
+        episodes: the trajectories, which iterations improve in place.
+        is_active: bool [P], whose plan has not converged.
+        iterations: int [P], iterations so far.
+        jacobians: int [P], Jacobians of a step worked out so far.
+        simulated: int [P], steps that line searches have simulated so far.
+    """
+
+    def __init__(self, environment: Environment, episodes: Episodes) -> None:
+        """Take over the episodes' trajectories as first plans."""
+        plans = len(episodes.ends)
+        self.episodes = episodes
+        self.is_active = np.zeros(plans, np.bool_)
+        self.iterations = np.zeros(plans, np.int64)
+        self.jacobians = np.zeros(plans, np.int64)
+        self.simulated = np.zeros(plans, np.int64)
+        self.regularisation = new_regularisation(plans)
+        self.gains = new_gains(environment, plans)
+        self._environment = environment
+        self._directions = curved_directions(environment)
+        self._expansion = new_expansion(environment, plans)
+        self._expanded_to = np.zeros(plans, np.int64)
+        self._work = new_work(environment)
+        self._window = (0, 0)
+
+    def begin(self, start: int, stop: int, plans: Integers) -> None:
+        """Set out to improve steps start to stop - 1 of these plans."""
+        self._window = (start, stop)
+        self.is_active[:] = False
+        self.is_active[plans] = True
+        self.regularisation.level[:] = 1.0
+        self.regularisation.growth[:] = 1.0
+
+    def keep(self, rows: list[int]) -> None:
+        """Keep these plans only."""
+        for name in ("is_active", "iterations", "jacobians", "simulated", "_expanded_to"):
+            setattr(self, name, getattr(self, name)[rows])
+        for name in ("episodes", "regularisation", "gains", "_expansion"):
+            parts = getattr(self, name)
+            setattr(self, name, type(parts)._make(part[rows] for part in parts))
+
+    def iterate(self) -> None:
+        """Do one iteration of every active plan."""
+        plans = np.flatnonzero(self.is_active)
+        start, stop = self._window
+        self._expand(plans)
+        is_possible = np.ones(len(self.is_active), np.bool_)
+        backward(
+            plans, start, stop, self.episodes, self._expansion, self.regularisation,
+            self.gains, self._work, is_possible,
+        )  # fmt: skip
+        level, size = self.regularisation.level, self.gains.size
+        is_flat = (size < SMALL_CHANGE) & (level < SMALL_LEVEL)
+        self.is_active &= is_possible & ~is_flat
+        self.iterations[plans] += 1
+        plans = np.flatnonzero(self.is_active)
+        if plans.size:
+            gain = search(self._environment, plans, self._window, self.episodes, self.gains)
+            self.simulated[plans] += (stop - start) * len(ALPHAS)
+            self._expanded_to[plans[gain > 0.0]] = start
+            adapt(plans, gain, self.regularisation, self.is_active)
+
+    def _expand(self, plans: Integers) -> None:
+        """Bring the expansion of the window up to date."""
+        start, stop = self._window
+        for first in np.unique(np.clip(self._expanded_to[plans], start, stop)):
+            if first < stop:
+                chosen = plans[np.clip(self._expanded_to[plans], start, stop) == first]
+                self.jacobians[chosen] += expand(
+                    self._environment, self.episodes, chosen, (int(first), stop),
+                    self._directions, self._expansion,
+                )  # fmt: skip
+        self._expanded_to[plans] = stop
+
+
+@compiled
+def adapt(
+    plans: Integers, gain: Floats, regularisation: Regularisation, is_active: NDArray[np.bool_]
+) -> None:
+    """Regularise each plan by what its search gained, and see whether it has converged."""
+    for k in range(plans.size):
+        p = plans[k]
+        if gain[k] > 0.0:
+            lower_level(regularisation, p)
+            is_active[p] = gain[k] >= SMALL_GAIN
+        else:
+            is_active[p] = raise_level(regularisation, p)
