@@ -9,6 +9,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from service.problems import problem_response
 
 MAX_BODY_BYTES = 2**20
+MAX_LENGTH_DIGITS = 20
 
 
 class BodyLimit:
@@ -31,7 +32,8 @@ class BodyLimit:
 
 def _announced_length(scope: Scope) -> int:
     length = Headers(scope=scope).get("content-length", "")
-    return int(length) if length.isascii() and length.isdigit() else 0
+    is_number = length.isascii() and length.isdigit()
+    return int(length[:MAX_LENGTH_DIGITS]) if is_number else 0
 
 
 def _counting(receive: Receive) -> Receive:

@@ -2,10 +2,12 @@
 
 from dataclasses import dataclass
 from functools import cache
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import physics
-from physics.environment import Environment
+
+if TYPE_CHECKING:
+    from physics.environment import Environment
 
 
 @dataclass(frozen=True)
@@ -22,7 +24,7 @@ class EnvironmentFacts:
     reward_is_differentiable: bool
 
     @classmethod
-    def of(cls, environment: Environment) -> Self:
+    def of(cls, environment: "Environment") -> Self:
         """Read them off an environment."""
         return cls(
             name=environment.name,

@@ -11,7 +11,7 @@ last id it saw misses nothing; at worst it hears of some measurements twice.
 
 import asyncio
 from collections import deque
-from collections.abc import AsyncIterator, Iterable, Mapping, Sequence
+from collections.abc import AsyncGenerator, AsyncIterator, Iterable, Mapping, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, replace
 from itertools import takewhile
@@ -47,11 +47,13 @@ class EventFeed:
     def __init__(self, store: Store) -> None:
         """Read nothing until somebody listens."""
         self._store = store
-        self._listeners = 0
+        self.listeners = 0
         self._reader: asyncio.Task[None] | None = None
         self._start()
 
-    async def follow(self, after: int | None, sweep_id: str | None) -> AsyncIterator[Message]:
+    async def follow(
+        self, after: int | None, sweep_id: str | None
+    ) -> AsyncGenerator[Message, None]:
         """Yield what happened after an event, of one sweep or of all, for ever.
 
         Without `after`, or where that is too long ago, the first message is "reload".
@@ -84,7 +86,7 @@ class EventFeed:
     @asynccontextmanager
     async def _listening(self) -> AsyncIterator[None]:
         """Have the log read while inside."""
-        self._listeners += 1
+        self.listeners += 1
         try:
             if self._reader is None:
                 self._start()
@@ -92,8 +94,8 @@ class EventFeed:
             await self._found.wait()
             yield
         finally:
-            self._listeners -= 1
-            if self._listeners == 0 and self._reader is not None:
+            self.listeners -= 1
+            if self.listeners == 0 and self._reader is not None:
                 self._reader.cancel()
                 self._reader = None
 

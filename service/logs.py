@@ -8,6 +8,7 @@ import logging
 import sys
 import time
 from collections.abc import MutableMapping
+from http import HTTPStatus
 from typing import Any
 
 import structlog
@@ -76,6 +77,9 @@ class AccessLog:
 
         try:
             await self.app(scope, receive, send_and_note)
+        except Exception:
+            status = status or HTTPStatus.INTERNAL_SERVER_ERROR.value
+            raise
         finally:
             # /healthz is asked every few seconds by whoever supervises the process.
             write = log.debug if scope["path"] == "/healthz" else log.info

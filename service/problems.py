@@ -94,10 +94,7 @@ def summary(faults: Sequence[Fault]) -> str:
 
 def faults_of(errors: Sequence[Mapping[str, Any]]) -> list[Fault]:
     """Return pydantic's errors as faults."""
-    return [
-        Fault(field_path(error["loc"]), _message(error), _limit(error.get("ctx", {})))
-        for error in errors
-    ]
+    return [_fault_of(error) for error in errors]
 
 
 def field_path(location: Sequence[str | int]) -> str:
@@ -149,6 +146,13 @@ def _refuse_invalid(
     _handler: ExceptionHandler, _request: Request, error: RequestValidationError
 ) -> Problem:
     return InvalidRequest(faults_of(error.errors()))
+
+
+def _fault_of(error: Mapping[str, Any]) -> Fault:
+    context = error.get("ctx", {})
+    if error["type"] == "json_invalid":
+        return Fault("body", f"is not JSON at character {error['loc'][-1]}: {context['error']}")
+    return Fault(field_path(error["loc"]), _message(error), _limit(context))
 
 
 def _message(error: Mapping[str, Any]) -> str:

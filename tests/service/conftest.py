@@ -1,11 +1,13 @@
 """A service on a new, empty SQLite, and a signed-in client of it."""
 
+import logging
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pytest
+import structlog
 from fastapi import FastAPI
 from pydantic import SecretStr
 from starlette.testclient import TestClient
@@ -25,11 +27,25 @@ SWEEP: dict[str, Any] = {
 }
 
 
+def changed(**fields: Any) -> dict[str, Any]:
+    return {**SWEEP, **fields}
+
+
+def algorithm(**fields: Any) -> dict[str, Any]:
+    return changed(algorithms=[{"name": "hybrid-ddpg", **fields}])
+
+
 @dataclass
 class FakeDispatcher:
     """A cluster that is ready, until a test says otherwise."""
 
     problem: str | None = None
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _quiet_log() -> None:
+    """Print no requests, and no exceptions with all their variables: that takes seconds each."""
+    structlog.configure(wrapper_class=structlog.make_filtering_bound_logger(logging.CRITICAL))
 
 
 @pytest.fixture
@@ -54,14 +70,39 @@ def app(settings: Settings, store: Store, dispatcher: FakeDispatcher) -> FastAPI
     return create_app(settings, store, dispatcher)
 
 
+def client_of(app: FastAPI, token: str = TOKEN) -> TestClient:
+    headers = {"Authorization": f"Bearer {token}"} if token else {}
+    return TestClient(app, base_url=BASE_URL, headers=headers, follow_redirects=False)
+
+
 @pytest.fixture
 def stranger(app: FastAPI) -> TestClient:
     """A client without the token."""
-    return TestClient(app, base_url=BASE_URL, follow_redirects=False)
+    return client_of(app, token="")
 
 
 @pytest.fixture
 def client(app: FastAPI) -> TestClient:
     """A client with the token."""
-    headers = {"Authorization": f"Bearer {TOKEN}"}
-    return TestClient(app, base_url=BASE_URL, headers=headers, follow_redirects=False)
+    return client_of(app)
+
+
+@pytest.fixture(scope="session")
+def idle_app(tmp_path_factory: pytest.TempPathFactory) -> Iterator[FastAPI]:
+    """A service that no test changes: for the many tests of what is refused."""
+    settings = Settings(data_dir=tmp_path_factory.mktemp("idle"), token=SecretStr(TOKEN))
+    store = Store.open(settings.store_url)
+    yield create_app(settings, store, FakeDispatcher())
+    store.close()
+
+
+@pytest.fixture(scope="session")
+def idle_client(idle_app: FastAPI) -> TestClient:
+    """A client of it with the token."""
+    return client_of(idle_app)
+
+
+@pytest.fixture
+def idle_stranger(idle_app: FastAPI) -> TestClient:
+    """A client of it without the token; it keeps cookies, so every test gets its own."""
+    return client_of(idle_app, token="")

@@ -42,24 +42,24 @@ def paths(app: FastAPI) -> Iterator[str]:
     yield from ("/", "/nowhere", "/api/v1", "//healthz", "/healthz/", "/static", "/staticx")
 
 
-def test_enumeration_sees_the_routes(app: FastAPI) -> None:
-    found = set(paths(app))
+def test_enumeration_sees_the_routes(idle_app: FastAPI) -> None:
+    found = set(paths(idle_app))
     assert {"/healthz", "/signin", "/readyz", "/api/v1/sweeps", "/api/v1/docs"} <= found
     assert len(found) > 20
 
 
-def test_public_is_what_the_contract_says(app: FastAPI) -> None:
-    public = {path for path in paths(app) if is_public(path)}
+def test_public_is_what_the_contract_says(idle_app: FastAPI) -> None:
+    public = {path for path in paths(idle_app) if is_public(path)}
     assert {"/healthz", "/signin"} == PUBLIC_PATHS
     assert {path for path in public if not path.startswith(PUBLIC_PREFIX)} == PUBLIC_PATHS
 
 
-def test_no_route_answers_without_token(app: FastAPI, stranger: TestClient) -> None:
-    for path in paths(app):
+def test_no_route_answers_without_token(idle_app: FastAPI, idle_stranger: TestClient) -> None:
+    for path in paths(idle_app):
         if is_public(path):
             continue
         for method in METHODS:
-            assert stranger.request(method, path).status_code == 401, (method, path)
+            assert idle_stranger.request(method, path).status_code == 401, (method, path)
 
 
 @pytest.mark.parametrize(
@@ -73,33 +73,38 @@ def test_no_route_answers_without_token(app: FastAPI, stranger: TestClient) -> N
         {"Cookie": f"token={TOKEN}"},
     ],
 )
-def test_no_route_answers_a_wrong_token(stranger: TestClient, headers: dict[str, str]) -> None:
-    response = stranger.get("/api/v1/sweeps", headers=headers)
+def test_no_route_answers_a_wrong_token(idle_stranger: TestClient, headers: dict[str, str]) -> None:
+    response = idle_stranger.get("/api/v1/sweeps", headers=headers)
     assert response.status_code == 401
     assert response.headers["www-authenticate"] == "Bearer"
 
 
 @pytest.mark.parametrize("host", FOREIGN_HOSTS)
-def test_no_route_answers_a_foreign_host(app: FastAPI, client: TestClient, host: str) -> None:
-    for path in paths(app):
-        response = client.get(path, headers={"Host": host})
+def test_no_route_answers_a_foreign_host(
+    idle_app: FastAPI, idle_client: TestClient, host: str
+) -> None:
+    for path in paths(idle_app):
+        response = idle_client.get(path, headers={"Host": host})
         assert response.status_code == 403, path
         assert "D3PG_ALLOW_HOST" in response.text
 
 
 @pytest.mark.parametrize("headers", FOREIGN_PAGES)
 def test_no_route_answers_a_foreign_page(
-    app: FastAPI, client: TestClient, headers: dict[str, str]
+    idle_app: FastAPI, idle_client: TestClient, headers: dict[str, str]
 ) -> None:
-    for path in paths(app):
+    for path in paths(idle_app):
         for method in METHODS:
-            assert client.request(method, path, headers=headers).status_code == 403, (method, path)
+            assert idle_client.request(method, path, headers=headers).status_code == 403, (
+                method,
+                path,
+            )
 
 
-def test_a_link_from_another_site_opens_a_page_but_changes_nothing(client: TestClient) -> None:
+def test_a_link_from_another_site_opens_a_page_but_changes_nothing(idle_client: TestClient) -> None:
     link = {"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "navigate"}
-    assert client.get("/api/v1/sweeps", headers=link).status_code == 200
-    assert client.post("/api/v1/sweeps", headers=link, json={}).status_code == 403
+    assert idle_client.get("/api/v1/sweeps", headers=link).status_code == 200
+    assert idle_client.post("/api/v1/sweeps", headers=link, json={}).status_code == 403
 
 
 @pytest.mark.parametrize(
@@ -112,34 +117,40 @@ def test_a_link_from_another_site_opens_a_page_but_changes_nothing(client: TestC
         {"Host": "[::1]:8000"},
     ],
 )
-def test_our_own_pages_are_answered(client: TestClient, headers: dict[str, str]) -> None:
-    assert client.get("/api/v1/sweeps", headers=headers).status_code == 200
+def test_our_own_pages_are_answered(idle_client: TestClient, headers: dict[str, str]) -> None:
+    assert idle_client.get("/api/v1/sweeps", headers=headers).status_code == 200
 
 
 @pytest.mark.parametrize(
     "headers",
     [{}, {"Host": "evil.example"}, {"Origin": "https://evil.example"}],
 )
-def test_no_websocket_is_accepted(stranger: TestClient, headers: dict[str, str]) -> None:
+def test_no_websocket_is_accepted(idle_stranger: TestClient, headers: dict[str, str]) -> None:
     with (
         pytest.raises(WebSocketDisconnect) as refusal,
-        stranger.websocket_connect("/api/v1/events", headers=headers),
+        idle_stranger.websocket_connect("/api/v1/events", headers=headers),
     ):
         pass
     assert refusal.value.code == 1008
 
 
-def test_people_get_a_page_and_programs_a_problem(stranger: TestClient) -> None:
-    page = stranger.get("/", headers={"Accept": "text/html,*/*"})
+def test_people_get_a_page_and_programs_a_problem(idle_stranger: TestClient) -> None:
+    page = idle_stranger.get("/", headers={"Accept": "text/html,*/*"})
     assert page.headers["content-type"].startswith("text/html")
     assert "sign-in link" in page.text
-    problem = stranger.get("/")
+    problem = idle_stranger.get("/")
     assert problem.headers["content-type"] == "application/problem+json"
     assert "sign-in link" in problem.json()["detail"]
 
 
-def test_every_answer_has_the_security_headers(client: TestClient, stranger: TestClient) -> None:
-    for response in (client.get("/api/v1/sweeps"), stranger.get("/"), client.get("/nowhere")):
+def test_every_answer_has_the_security_headers(
+    idle_client: TestClient, idle_stranger: TestClient
+) -> None:
+    for response in (
+        idle_client.get("/api/v1/sweeps"),
+        idle_stranger.get("/"),
+        idle_client.get("/nowhere"),
+    ):
         policy = response.headers["content-security-policy"]
         assert "default-src 'self'" in policy
         assert "unsafe-inline" not in policy

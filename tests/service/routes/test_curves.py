@@ -1,0 +1,207 @@
+"""Curves and figures over REST: the whole way from stored measurements."""
+
+import json
+import statistics
+import xml.dom.minidom
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from starlette.testclient import TestClient
+
+import physics
+from service.store.store import Store
+from tests.service.conftest import SWEEP, changed
+from tests.service.training import random_return, train
+from workers.run_spec import RunSpec
+
+Json = dict[str, Any]
+RANDOM = -1200.0
+
+
+def value(spec: RunSpec, timestep: int) -> float:
+    return RANDOM + timestep * (1 + spec.seed) / 100 + 50 * len(spec.algorithm)
+
+
+@pytest.fixture
+def trained(client: TestClient, store: Store) -> str:
+    """A sweep of three seeds that has been trained."""
+    for environment in ("MassPoint", "Pendulum"):
+        store.record_random_return(random_return(environment, RANDOM))
+    sweep: Json = client.post("/api/v1/sweeps", json=SWEEP).json()
+    train(store, 5, value)
+    return str(sweep["links"]["self"])
+
+
+def curves_of(answer: Json) -> Iterator[Json]:
+    for panel in answer["panels"]:
+        yield from panel["curves"]
+
+
+def test_mean_and_band_of_all_seeds(client: TestClient, trained: str) -> None:
+    answer = client.get(f"{trained}/curves?normalized=false").json()
+    assert answer == answer | {
+        "sweep": trained.rpartition("/")[2],
+        "metric": "return_mean",
+        "normalized": False,
+        "band": "std",
+        "x": "timesteps",
+    }
+    assert [panel["environment"] for panel in answer["panels"]] == ["MassPoint", "Pendulum"]
+    for panel in answer["panels"]:
+        assert panel["random_return"]["mean"] == RANDOM
+        assert panel["random_return"]["episodes"] == 1000
+        for name, curve in zip(("ddpg", "hybrid-ddpg"), panel["curves"], strict=True):
+            assert (curve["algorithm"], curve["label"], curve["runs"]) == (name, name, 3)
+            assert curve["x"] == [800, 1600, 2400, 3200, 4000]
+            assert curve["n"] == [3] * 5
+            for j, timestep in enumerate(curve["x"]):
+                seeds = [
+                    value(RunSpec(name, panel["environment"], seed), timestep) for seed in range(3)
+                ]
+                mean, deviation = statistics.mean(seeds), statistics.stdev(seeds)
+                assert curve["mean"][j] == pytest.approx(mean, rel=1e-8)
+                assert curve["low"][j] == pytest.approx(mean - deviation, rel=1e-8)
+                assert curve["high"][j] == pytest.approx(mean + deviation, rel=1e-8)
+
+
+def test_normalised_zero_is_random_and_one_is_the_best(client: TestClient, trained: str) -> None:
+    raw = client.get(f"{trained}/curves?normalized=false").json()
+    normalised = client.get(f"{trained}/curves").json()
+    assert normalised["normalized"] is True
+    assert "Normalised: 0 is the mean return of uniform random" in normalised["definition"]
+    task = physics.make("Pendulum")
+    best = task.max_reward * task.horizon
+    for before, after in zip(curves_of(raw), curves_of(normalised), strict=True):
+        for part in ("mean", "low", "high"):
+            expected = [(each - RANDOM) / (best - RANDOM) for each in before[part]]
+            assert after[part] == pytest.approx(expected, rel=1e-7, abs=1e-7)
+
+
+def test_without_a_random_return_nothing_is_normalised(client: TestClient, store: Store) -> None:
+    link = client.post("/api/v1/sweeps", json=SWEEP).json()["links"]["self"]
+    train(store, 5, value)
+    response = client.get(f"{link}/curves")
+    answer = json.loads(response.text, parse_constant=pytest.fail)
+    for panel in answer["panels"]:
+        assert panel["random_return"] is None
+    for curve in curves_of(answer):
+        assert curve["mean"] == [None] * 5
+        assert curve["n"] == [0] * 5
+    raw = client.get(f"{link}/curves?normalized=false").json()
+    assert all(curve["n"] == [3] * 5 for curve in curves_of(raw))
+
+
+def test_single_seeds_on_request(client: TestClient, trained: str) -> None:
+    assert "seeds" not in next(curves_of(client.get(f"{trained}/curves").json()))
+    answer = client.get(f"{trained}/curves?seeds=true&normalized=false").json()
+    for number, curve in enumerate(curves_of(answer)):
+        spec = RunSpec(curve["algorithm"], "Pendulum", 0)
+        for seed in range(3):
+            one = curve["seeds"][seed]
+            assert one["seed"] == seed
+            assert one["run_id"].endswith(f"-{3 * number + seed}")
+            run = client.get(f"/api/v1/runs/{one['run_id']}").json()
+            assert (run["algorithm"], run["seed"]) == (curve["algorithm"], seed)
+            assert one["values"][0] == pytest.approx(value(RunSpec(spec.algorithm, "", seed), 800))
+
+
+@pytest.mark.parametrize("band", ["std", "ci95", "iqr"])
+@pytest.mark.parametrize("metric", ["return_mean", "return_history", "critic_loss"])
+@pytest.mark.parametrize("x", ["timesteps", "updates", "jacobians", "seconds"])
+def test_every_view(client: TestClient, trained: str, band: str, metric: str, x: str) -> None:
+    response = client.get(f"{trained}/curves", params={"band": band, "metric": metric, "x": x})
+    assert response.status_code == 200, response.text
+    answer = json.loads(response.text, parse_constant=pytest.fail)
+    assert answer["normalized"] is (metric != "critic_loss")
+    assert metric in answer["definition"]
+    assert ("interpolated" in answer["definition"]) == (x == "seconds")
+    for curve in curves_of(answer):
+        points = len(curve["x"])
+        assert points == 1 if (x, curve["algorithm"]) == ("jacobians", "ddpg") else points >= 5
+        assert all(len(curve[part]) == points for part in ("mean", "low", "high", "n"))
+        assert curve["x"] == sorted(set(curve["x"]))
+
+
+def test_thinned_to_so_many_points(client: TestClient, trained: str) -> None:
+    whole = client.get(f"{trained}/curves").json()
+    thinned = client.get(f"{trained}/curves?max_points=3").json()
+    for before, after in zip(curves_of(whole), curves_of(thinned), strict=True):
+        assert after["x"] == [800, 2400, 4000]
+        assert after["mean"] == before["mean"][::2]
+
+
+def test_a_running_sweep_counts_who_got_there(client: TestClient, store: Store) -> None:
+    link = client.post("/api/v1/sweeps", json=changed(algorithms=[{"name": "ddpg"}])).json()[
+        "links"
+    ]
+    assert all(curve["x"] == [] for curve in curves_of(client.get(link["curves"]).json()))
+    claim = store.claim_cohort("worker", 60.0, limit=2)
+    assert claim is not None
+    store.release(claim, "given back")
+    train(store, 2, value, finish=False)
+    answer = client.get(f"{link['curves']}?normalized=false").json()
+    assert [curve["n"] for curve in curves_of(answer)] == [[3, 3], [3, 3]]
+
+
+@pytest.mark.parametrize(
+    ("query", "field", "says"),
+    [
+        ("metric=return_maen", "metric", "did you mean 'return_mean'?"),
+        ("metric=a%00b", "metric", "NUL"),
+        ("metric=critic_loss&normalized=true", "normalized", "only returns"),
+        ("band=sem", "band", "std"),
+        ("x=epochs", "x", "timesteps"),
+        ("max_points=1", "max_points", "2"),
+        ("max_points=1e9", "max_points", "integer"),
+        ("nomalized=false", "nomalized", "not permitted"),
+    ],
+)
+def test_a_wrong_view_is_refused(
+    client: TestClient, trained: str, query: str, field: str, says: str
+) -> None:
+    response = client.get(f"{trained}/curves?{query}")
+    assert response.status_code == 422
+    (error,) = response.json()["errors"]
+    assert error["field"] == field
+    assert says in error["message"]
+
+
+def test_figures_are_files_with_the_same_bytes_each_time(client: TestClient, trained: str) -> None:
+    png = client.get(f"{trained}/plot.png")
+    assert png.headers["content-type"] == "image/png"
+    assert png.content.startswith(b"\x89PNG")
+    assert client.get(f"{trained}/plot.png").content == png.content
+    assert client.get(f"{trained}/plot.png?normalized=false").content != png.content
+    svg = client.get(f"{trained}/plot.svg")
+    assert svg.headers["content-type"] == "image/svg+xml"
+    assert client.get(f"{trained}/plot.svg").content == svg.content
+    xml.dom.minidom.parseString(svg.content)  # noqa: S318 - our own
+
+
+def test_a_figure_of_nothing_yet(client: TestClient) -> None:
+    link = client.post("/api/v1/sweeps", json=SWEEP).json()["links"]["self"]
+    assert client.get(f"{link}/plot.png").status_code == 200
+
+
+@pytest.mark.parametrize("name", ["$\\frac{ --><script>", "a\x01b\x1f \u202ex 😀 日本", "x" * 200])
+def test_any_name_can_stand_on_a_figure(client: TestClient, name: str) -> None:
+    body = changed(name=name, seeds=1, environments=["Pendulum"])
+    link = client.post("/api/v1/sweeps", json=body).json()["links"]["self"]
+    svg = client.get(f"{link}/plot.svg")
+    assert svg.status_code == 200
+    xml.dom.minidom.parseString(svg.content)  # noqa: S318 - our own
+
+
+def test_a_figure_of_too_many_curves_is_refused(client: TestClient) -> None:
+    weights = [{"w1": k / 10, "w2": j / 10} for k in range(10) for j in range(10)]
+    algorithms = [
+        {"name": "hybrid-ddpg", "weights": weights, "config": {"batch_size": size}}
+        for size in (32, 64, 128)
+    ]
+    body = changed(algorithms=algorithms, seeds=1)
+    link = client.post("/api/v1/sweeps", json=body).json()["links"]["self"]
+    refusal = client.get(f"{link}/plot.png")
+    assert refusal.status_code == 422
+    assert "600" in refusal.json()["detail"]
+    assert client.get(f"{link}/curves").status_code == 200

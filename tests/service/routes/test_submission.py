@@ -1,0 +1,173 @@
+"""What a submission may not say: refused by field and limit, and nothing is queued."""
+
+import json
+from typing import Any
+
+import pytest
+from starlette.testclient import TestClient
+
+from service.schemas.sweep_request import MAX_NAME, MAX_RUNS, MAX_SEED, MAX_TIMESTEPS
+from tests.service.conftest import SWEEP, algorithm, changed
+
+Json = dict[str, Any]
+
+
+def refusals(idle_client: TestClient, body: Json | bytes) -> dict[str, Json]:
+    """Post what must be refused; the refusals by field."""
+    content = body if isinstance(body, bytes) else json.dumps(body).encode()
+    response = idle_client.post(
+        "/api/v1/sweeps", content=content, headers={"Content-Type": "application/json"}
+    )
+    assert response.status_code == 422, response.text
+    assert response.headers["content-type"] == "application/problem+json"
+    assert idle_client.get("/api/v1/sweeps").json()["items"] == []
+    return {error["field"]: error for error in response.json()["errors"]}
+
+
+@pytest.mark.parametrize(
+    ("body", "field", "limit"),
+    [
+        (changed(name=""), "name", 1),
+        (changed(name="x" * (MAX_NAME + 1)), "name", MAX_NAME),
+        (changed(name="a\0b"), "name", None),
+        (changed(name=7), "name", None),
+        (changed(algorithms=[]), "algorithms", 1),
+        (changed(algorithms="ddpg"), "algorithms", None),
+        (changed(algorithms=["ddpg"]), "algorithms[0]", None),
+        (changed(environments=[]), "environments", 1),
+        (changed(environments="Pendulum"), "environments", None),
+        (changed(seeds=0), "seeds", 1),
+        (changed(seeds=-1), "seeds", 1),
+        (changed(seeds=True), "seeds", None),
+        (changed(seeds="4"), "seeds", None),
+        (changed(seeds=4.0), "seeds", None),
+        (changed(seeds=None), "seeds", None),
+        (changed(seeds=[]), "seeds", 1),
+        (changed(seeds=[0, True]), "seeds[1]", None),
+        (changed(seeds=[-1]), "seeds[0]", 0),
+        (changed(seeds=[MAX_SEED + 1]), "seeds[0]", MAX_SEED),
+        (changed(timesteps=0), "timesteps", 1),
+        (changed(timesteps=MAX_TIMESTEPS + 1), "timesteps", MAX_TIMESTEPS),
+        (changed(timesteps=10**400), "timesteps", MAX_TIMESTEPS),
+        (changed(timesteps=True), "timesteps", None),
+        (changed(priority=1001), "priority", 1000),
+        (changed(priority=0.5), "priority", None),
+        (changed(seed=4), "seed", None),
+        (algorithm(weights={"w1": -0.1}), "algorithms[0].weights.w1", 0),
+        (algorithm(weights={"w1": 1e7}), "algorithms[0].weights.w1", 1e6),
+        (algorithm(weights={"w1": True}), "algorithms[0].weights.w1", None),
+        (algorithm(weights={"w1": "1"}), "algorithms[0].weights.w1", None),
+        (algorithm(weights={"w3": 1}), "algorithms[0].weights.w3", None),
+        (algorithm(weights=[{"w2": -1}]), "algorithms[0].weights[0].w2", 0),
+        (algorithm(weights=[]), "algorithms[0].weights", 1),
+        (algorithm(weights=0.1), "algorithms[0].weights", None),
+        (algorithm(config=[]), "algorithms[0].config", None),
+        (algorithm(config={"a": {"b": 1}}), "algorithms[0].config.a", None),
+        (algorithm(config={"a": 10**30}), "algorithms[0].config.a", None),
+        (algorithm(wieghts={}), "algorithms[0].wieghts", None),
+    ],
+)
+def test_what_is_wrong_is_refused_by_field_and_limit(
+    idle_client: TestClient, body: Json, field: str, limit: float | None
+) -> None:
+    errors = refusals(idle_client, body)
+    assert list(errors) == [field]
+    assert errors[field]["limit"] == limit
+    assert errors[field]["message"]
+
+
+@pytest.mark.parametrize("number", ["NaN", "Infinity", "-Infinity", "1e999", '"nan"'])
+@pytest.mark.parametrize(
+    ("place", "field"),
+    [
+        ('"algorithms":[{"name":"hybrid-ddpg","weights":{"w1":#}}]', "algorithms[0].weights.w1"),
+        ('"timesteps":#', "timesteps"),
+        ('"seeds":[#]', "seeds[0]"),
+    ],
+)
+def test_numbers_that_are_none_are_refused(
+    idle_client: TestClient, number: str, place: str, field: str
+) -> None:
+    body = json.dumps(SWEEP)[:-1] + "," + place.replace("#", number) + "}"
+    assert field in refusals(idle_client, body.encode())
+
+
+@pytest.mark.parametrize(
+    ("body", "status"),
+    [
+        (b"", 422),
+        (b"null", 422),
+        (b"[]", 422),
+        (b"{", 422),
+        (b"\xff\xfe", 422),
+        (b'{"name": "\\ud800"}', 422),
+        (b'{"\\ud800": 1}', 422),
+        (b"[" * 100_000, 400),
+        (b'{"timesteps": ' + b"9" * 5000 + b"}", 400),
+    ],
+)
+def test_what_is_no_json_of_ours_is_refused(
+    idle_client: TestClient, body: bytes, status: int
+) -> None:
+    response = idle_client.post(
+        "/api/v1/sweeps", content=body, headers={"Content-Type": "application/json"}
+    )
+    assert response.status_code == status, response.text
+    assert response.headers["content-type"] == "application/problem+json"
+
+
+def test_a_form_of_another_page_is_no_json(idle_client: TestClient) -> None:
+    response = idle_client.post(
+        "/api/v1/sweeps", content=json.dumps(SWEEP), headers={"Content-Type": "text/plain"}
+    )
+    assert response.status_code == 422
+
+
+def test_unknown_names_come_with_the_nearest(idle_client: TestClient) -> None:
+    body = changed(algorithms=[{"name": "DDPG"}, {"name": "ddpg"}], environments=["pendulm"])
+    errors = refusals(idle_client, body)
+    assert set(errors) == {"algorithms[0].name", "environments[0]"}
+    assert "did you mean 'ddpg'?" in errors["algorithms[0].name"]["message"]
+    assert "did you mean 'Pendulum'?" in errors["environments[0]"]["message"]
+    assert "MassPoint" in errors["environments[0]"]["message"]
+    far = refusals(idle_client, changed(environments=["qqqqqqqq"]))["environments[0]"]["message"]
+    assert "did you mean" not in far
+
+
+@pytest.mark.parametrize(
+    ("body", "field"),
+    [
+        (changed(seeds=[3, 4, 3]), "seeds[2]"),
+        (changed(environments=["Pendulum", "Pendulum"]), "environments[1]"),
+        (changed(algorithms=[{"name": "ddpg"}, {"name": "ddpg"}]), "algorithms[1]"),
+        (algorithm(weights=[{"w1": 1}, {"w1": 1.0, "w2": 0}]), "algorithms[0].weights[1]"),
+        (algorithm(weights=[{"w1": 0.0}, {"w1": -0.0}]), "algorithms[0].weights[1]"),
+    ],
+)
+def test_equal_runs_are_refused(idle_client: TestClient, body: Json, field: str) -> None:
+    assert "is the same as" in refusals(idle_client, body)[field]["message"]
+
+
+def test_weights_of_an_algorithm_without_gradient_terms(idle_client: TestClient) -> None:
+    useless = changed(algorithms=[{"name": "ddpg", "weights": {"w1": 0.1}}])
+    assert "no gradient terms" in refusals(idle_client, useless)["algorithms[0].weights"]["message"]
+    zero = changed(algorithms=[{"name": "ddpg", "weights": {"w1": 0, "w2": 0}}])
+    assert idle_client.post("/api/v1/sweeps?dry_run=true", json=zero).status_code == 200
+
+
+@pytest.mark.parametrize("seeds", [10**9, 2**53 - 1, MAX_RUNS // 4 + 1])
+def test_a_product_above_the_cap_is_counted_and_not_expanded(
+    idle_client: TestClient, seeds: int
+) -> None:
+    error = refusals(idle_client, changed(seeds=seeds))["seeds"]
+    assert error["limit"] == MAX_RUNS
+    assert str(4 * seeds) in error["message"]
+
+
+def test_several_faults_are_told_at_once(idle_client: TestClient) -> None:
+    errors = refusals(idle_client, changed(seeds=-1, timesteps=0, priority="x"))
+    assert set(errors) == {"seeds", "timesteps", "priority"}
+
+
+def test_very_many_faults_are_cut(idle_client: TestClient) -> None:
+    assert len(refusals(idle_client, {**SWEEP, **{f"x{i}": 1 for i in range(1000)}})) == 100

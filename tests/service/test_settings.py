@@ -1,0 +1,65 @@
+"""Settings: what the environment may say, and what is refused."""
+
+from pathlib import Path
+
+import pytest
+from pydantic import ValidationError
+
+from service.settings import Settings
+
+
+def test_defaults_bind_loopback(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("D3PG_TOKEN", "")
+    settings = Settings()
+    assert settings.host == "127.0.0.1"
+    assert settings.is_loopback
+    assert settings.token is None
+    assert settings.workers >= 1
+    assert settings.store_url.endswith("/d3pg-data/d3pg.sqlite")
+
+
+def test_environment_variables(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("D3PG_HOST", "0.0.0.0")  # noqa: S104
+    monkeypatch.setenv("D3PG_PORT", "8080")
+    monkeypatch.setenv("D3PG_ALLOW_HOST", "Lab.example, 10.0.0.7,fe80::1")
+    monkeypatch.setenv("D3PG_DATABASE_URL", "postgresql+psycopg://db/d3pg")
+    settings = Settings()
+    assert settings.allowed_hosts == {
+        *("127.0.0.1", "localhost", "[::1]"),
+        *("lab.example", "10.0.0.7", "[fe80::1]"),
+    }
+    assert settings.store_url == "postgresql+psycopg://db/d3pg"
+    assert settings.url == "http://127.0.0.1:8080"
+
+
+def test_a_bound_address_is_an_allowed_host() -> None:
+    settings = Settings(host="10.0.0.7", allow_host=("lab.example",))
+    assert "10.0.0.7" in settings.allowed_hosts
+    assert not settings.is_loopback
+
+
+@pytest.mark.parametrize(
+    ("variable", "value", "says"),
+    [
+        ("D3PG_HOST", "0.0.0.0", "D3PG_ALLOW_HOST"),  # noqa: S104
+        ("D3PG_HOST", "192.168.1.5", "D3PG_ALLOW_HOST"),
+        ("D3PG_TOKEN", "short", "16 characters"),
+        ("D3PG_PORT", "70000", "65535"),
+        ("D3PG_WORKERS", "0", "greater than or equal to 1"),
+    ],
+)
+def test_refusals_say_what_to_do(
+    monkeypatch: pytest.MonkeyPatch, variable: str, value: str, says: str
+) -> None:
+    monkeypatch.setenv(variable, value)
+    with pytest.raises(ValidationError, match=says):
+        Settings()
+
+
+def test_the_token_is_not_printed() -> None:
+    settings = Settings.model_validate({"token": "a-secret-token-of-tests"})
+    assert "a-secret-token" not in repr(settings)
+
+
+def test_sqlite_lies_in_the_data_directory(tmp_path: Path) -> None:
+    assert Settings(data_dir=tmp_path).store_url == f"sqlite:///{tmp_path}/d3pg.sqlite"

@@ -1,0 +1,47 @@
+"""Training as the store sees it: claims, measurements of chosen values, ends."""
+
+from collections.abc import Callable
+
+from algorithms.measurement import Measurement
+from service.store.store import Store
+from workers.progress import Progress
+from workers.random_return import RandomReturn
+from workers.run_spec import RunSpec
+
+EVERY = 800
+Value = Callable[[RunSpec, int], float]
+
+
+def train(store: Store, points: int, value: Value, *, finish: bool = True) -> int:
+    """Claim every queued run and record `points` measurements of it; how many runs there were."""
+    runs = 0
+    while (claim := store.claim_cohort("worker", 60.0)) is not None:
+        measurements = tuple(
+            measured(spec, EVERY * (index + 1), value(spec, EVERY * (index + 1)))
+            for spec in claim.specs
+            for index in range(points)
+        )
+        finished = tuple(spec.seed for spec in claim.specs) if finish else ()
+        store.record(claim, Progress(EVERY * points, measurements=measurements, finished=finished))
+        runs += len(claim.runs)
+    return runs
+
+
+def measured(spec: RunSpec, timestep: int, value: float) -> Measurement:
+    """A measurement whose return_history is half its return_mean."""
+    needs_jacobians = any(spec.weights)
+    return Measurement(
+        seed=spec.seed,
+        timestep=timestep,
+        return_mean=value,
+        return_history=value / 2,
+        updates=timestep // 2,
+        jacobians=timestep if needs_jacobians else 0,
+        seconds=timestep / 1000 + spec.seed / 100,
+        diagnostics={"critic_loss": value * value},
+    )
+
+
+def random_return(environment: str, mean: float) -> RandomReturn:
+    """What random actions earn in the first version of an environment."""
+    return RandomReturn(environment, 1, mean, low=mean - 10, high=mean + 10, episodes=1000)
