@@ -1,21 +1,23 @@
-"""What a learner says about one of its runs."""
+"""Measurement: what a learner reports of a run, and how a run may end early."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Measurement:
-    """One point of a run's learning curve.
+    """One point of a run's curves.
 
-    seed            which run of the cohort
-    timestep        environment steps done
-    return_mean     undiscounted return of one episode of the current deterministic actor
-    return_history  mean of the latest 100 return_mean
-    updates         gradient updates done
-    jacobians       Jacobian evaluations done
-    seconds         wall time of the run's own work
-    diagnostics     further numbers, by name
+    Attributes:
+        seed: the run's seed.
+        timestep: environment steps taken so far, evaluation not counted.
+        return_mean: undiscounted return of one episode of the deterministic actor.
+        return_history: mean of the latest 100 `return_mean`, of all while there are fewer.
+        updates: updates done so far.
+        jacobians: Jacobians of transitions worked out so far, those for diagnostics included.
+        seconds: wall time so far. Runs trained together share the time: each counts the cohort's
+            time divided by the runs then in it.
+        diagnostics: further numbers by name; NaN where a number does not exist.
     """
 
     seed: int
@@ -25,14 +27,38 @@ class Measurement:
     updates: int
     jacobians: int
     seconds: float
-    diagnostics: Mapping[str, float] = field(default_factory=dict)
+    diagnostics: Mapping[str, float]
 
 
 @dataclass(frozen=True)
 class Divergence:
-    """A quantity of a run stopped being finite, at this update."""
+    """A run that ended because a loss or a parameter stopped being finite.
+
+    Attributes:
+        seed: the run's seed.
+        timestep: environment steps taken so far.
+        update: number of the update that did it, from 1 on.
+        quantity: what is not finite.
+    """
 
     seed: int
     timestep: int
     update: int
     quantity: str
+
+
+class DivergedError(ArithmeticError):
+    """Some runs diverged; the others were trained to their end.
+
+    Attributes:
+        divergences: one for each diverged run.
+    """
+
+    def __init__(self, divergences: list[Divergence]) -> None:
+        """Say which runs diverged, where and how."""
+        self.divergences = divergences
+        ends = "; ".join(
+            f"seed {d.seed} at update {d.update} (timestep {d.timestep}): {d.quantity} not finite"
+            for d in divergences
+        )
+        super().__init__(f"{len(divergences)} diverged: {ends}")

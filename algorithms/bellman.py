@@ -1,0 +1,82 @@
+"""The critic's target for a deterministic policy, and the target's gradient (equation 2).
+
+    Qhat  = r + gamma c Q'(s', pi'(s'))                                           c = 1 - terminated
+    dQhat = dr/dz + dr/ds' J + gamma c (dQ'/ds' + dQ'/da' dpi'/ds') J             z = (s, a)
+
+Both in normalised units (algorithms.scaling), both constants to the critic's loss.
+
+Source: "D3PG: Deep Differentiable Deterministic Policy Gradients" (2019), equation 2, with the
+terminal factor c that it leaves out.
+"""
+
+from typing import Any
+
+from algorithms import actor, network
+from algorithms.layer import Array
+from algorithms.network import Parameters, Pass
+from algorithms.replay import Batch
+from algorithms.scaling import Scaling
+from physics.compiled import compiled_fast
+
+
+@compiled_fast
+def join(x: Array, actions: Array, result: Array) -> None:
+    """Put features and actions side by side [B, F + m], as a critic takes them."""
+    features = x.shape[1]
+    for row in range(x.shape[0]):
+        for i in range(features):
+            result[row, i] = x[row, i]
+        for i in range(actions.shape[1]):
+            result[row, features + i] = actions[row, i]
+
+
+@compiled_fast
+def target_value(
+    actor_target: Parameters,
+    critic_target: Parameters,
+    batch: Batch,
+    gamma: Any,
+    scaling: Scaling,
+    actor_work: Pass,
+    critic_work: Pass,
+    next_actions: Array,
+    value: Array,
+) -> None:
+    """The normalised target `value [B]`; leaves both target networks' passes in the work arrays."""
+    for row in range(batch.x.shape[0]):
+        for i in range(batch.x.shape[1]):
+            actor_work.x[row, i] = batch.next_x[row, i]
+    actor.choose(actor_target, actor_work, next_actions)
+    join(batch.next_x, next_actions, critic_work.x)
+    network.forward(critic_target, critic_work)
+    for row in range(value.size):
+        q = scaling.value_mean + scaling.value_std * critic_work.out[row, 0]
+        raw = batch.rewards[row] + gamma * batch.continues[row] * q
+        value[row] = (raw - scaling.value_mean) / scaling.value_std
+
+
+@compiled_fast
+def target_gradient(
+    actor_target: Parameters,
+    critic_target: Parameters,
+    batch: Batch,
+    gamma: Any,
+    actor_work: Pass,
+    critic_work: Pass,
+    next_actions: Array,
+    result: Array,
+) -> None:
+    """The normalised target gradient [B, C + m], after `target_value` with the same arrays."""
+    features = batch.x.shape[1]
+    critic_work.out_bar[:] = 1
+    network.backward_to_input(critic_target, critic_work)
+    actor.pull_back(next_actions, critic_work.x_bar, features, actor_work)
+    network.backward_to_input(actor_target, actor_work)
+    for row in range(result.shape[0]):
+        factor = gamma * batch.continues[row]
+        for j in range(result.shape[1]):
+            result[row, j] = batch.reward_gradients[row, j]
+        for i in range(features):
+            by_next = factor * (critic_work.x_bar[row, i] + actor_work.x_bar[row, i])
+            for j in range(result.shape[1]):
+                result[row, j] += by_next * batch.jacobians[row, i, j]

@@ -1,0 +1,89 @@
+"""Catalogue: the algorithms by name.
+
+An installed package adds one of its own through the entry-point group `d3pg.algorithms`: the name,
+and `module:object` of an `Algorithm`. The project's own are listed here; their code is loaded when
+one is asked for.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from difflib import get_close_matches
+from importlib.metadata import entry_points
+from pkgutil import resolve_name
+from typing import Any
+
+GROUP = "d3pg.algorithms"
+
+
+@dataclass(frozen=True)
+class Algorithm:
+    """What is known of an algorithm before its code is loaded.
+
+    Attributes:
+        name: as users write it.
+        summary: one line.
+        builder: "module:function" of `(environment, seeds, weights, timesteps, config) -> Learner`.
+        config: "module:class" of its settings, a frozen pydantic dataclass.
+        uses_weights: whether w1 and w2 mean something to it.
+        needs_reward_gradient: whether it refuses tasks whose reward is not differentiable.
+    """
+
+    name: str
+    summary: str
+    builder: str
+    config: str
+    uses_weights: bool
+    needs_reward_gradient: bool
+
+    def config_class(self) -> type[Any]:
+        """The class of its settings."""
+        loaded: type[Any] = resolve_name(self.config)
+        return loaded
+
+    def load(self) -> Callable[..., Any]:
+        """The function that builds its learner."""
+        loaded: Callable[..., Any] = resolve_name(self.builder)
+        return loaded
+
+
+OWN = {
+    "ddpg": Algorithm(
+        name="ddpg",
+        summary="Deep deterministic policy gradients with parameter noise",
+        builder="algorithms.ddpg:build",
+        config="algorithms.ddpg_config:DDPGConfig",
+        uses_weights=False,
+        needs_reward_gradient=False,
+    ),
+    "hybrid-ddpg": Algorithm(
+        name="hybrid-ddpg",
+        summary="DDPG whose critic also fits the simulator's gradients (L2)",
+        builder="algorithms.ddpg:build",
+        config="algorithms.ddpg_config:DDPGConfig",
+        uses_weights=True,
+        needs_reward_gradient=False,
+    ),
+}
+
+
+def names() -> list[str]:
+    """Every algorithm's name: the project's own, then those of installed packages."""
+    others = {entry.name for entry in entry_points(group=GROUP)} - set(OWN)
+    return [*OWN, *sorted(others)]
+
+
+def find(name: str) -> Algorithm:
+    """The algorithm of that name.
+
+    Raises:
+        ValueError: for an unknown name; it names the nearest known one.
+    """
+    if name in OWN:
+        return OWN[name]
+    for entry in entry_points(group=GROUP):
+        if entry.name == name:
+            algorithm: Algorithm = entry.load()
+            return algorithm
+    near = get_close_matches(str(name).lower(), names(), n=1, cutoff=0.5)
+    hint = f"; did you mean {near[0]!r}?" if near else ""
+    raise ValueError(f"unknown algorithm {name!r}{hint} (known: {', '.join(names())})")

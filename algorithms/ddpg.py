@@ -1,0 +1,217 @@
+"""DDPG: deep deterministic policy gradients, as OpenAI Baselines ran it in the paper's day.
+
+    Qhat  = r + gamma (1 - terminated) Q'(s', pi'(s'))
+    critic   down   1/B sum (Q(s, a) - Qhat)^2 + decay / 2 |hidden products|^2
+    actor    up     1/B sum Q(s, pi(s))
+    targets  Q' += tau (Q - Q'),   pi' += tau (pi - pi')
+
+A cycle is 100 environment steps under adaptive parameter noise, then 50 updates.
+
+Sources: Lillicrap et al. (2015); OpenAI Baselines (Dhariwal et al., 2017), commit f49a9c3;
+parameter noise, Plappert et al. (2017). Differences from Baselines:
+
+- the critic returns a normalised Q, whose mean and standard deviation follow the targets seen in
+  the replay; when they move, the output layers of Q and Q' are changed so that Q is not
+  (van Hasselt et al., 2016: PopArt). The standard deviation is taken about the previous mean, so
+  that a Q that drifts does not make it vanish;
+- the critic takes features and action side by side at its input (as Baselines did from September
+  2018 on), and hidden units are tanh, not ReLU: the hybrid needs a smooth critic;
+- weight decay is on hidden products alone (as Baselines from November 2018 on);
+- the exploring actor is perturbed anew at each cycle, too (algorithms.parameter_noise);
+- features have a standard-deviation floor of 0.001, not 0.1, and their statistics change with each
+  cycle, not with each step;
+- running out of time does not stop the bootstrap (`time_limit_is_terminal` brings that back);
+- everything in float32 but the simulator and the statistics.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from algorithms import network
+from algorithms.ddpg_config import DDPGConfig
+from algorithms.ddpg_update import Rates, Report, empty_report, update
+from algorithms.diagnostics import UpdateMeans, agreement, gradient_pair
+from algorithms.network import Shape
+from algorithms.off_policy import OffPolicyLearner
+from algorithms.optimizer import learned
+from algorithms.parameter_noise import ParameterNoise, action_distance
+from algorithms.policy import Policy
+from algorithms.replay import Memory, Replay, empty_memory
+from algorithms.rollout import Experience, Rollout
+from algorithms.scaling import Coordinates, Statistics, coordinates_of
+from algorithms.target_jacobian import fold
+from physics.environment import Environment
+from physics.randomness import generator
+
+
+class DDPGAgent:
+    """One run of DDPG, or of its hybrid; see `algorithms.off_policy.Agent`."""
+
+    def __init__(
+        self,
+        environment: Environment,
+        coordinates: Coordinates,
+        seed: int,
+        weights: tuple[float, float],
+        timesteps: int,
+        config: DDPGConfig,
+    ) -> None:
+        """Draw the initial networks.
+
+        Args:
+            environment: the task.
+            coordinates: of its features.
+            seed: of the run.
+            weights: w1 of the action gradient, w2 of the state gradient.
+            timesteps: of the whole run, which bounds its replay.
+            config: the settings.
+        """
+        self.seed = seed
+        self.updates = 0
+        self.jacobians = 0
+        self._environment = environment
+        self._coordinates = coordinates
+        self._config = config
+        self._matched = weights[0] > 0 or weights[1] > 0
+        self._rates = Rates(
+            np.float32(config.gamma),
+            np.float32(config.tau),
+            config.actor_rate,
+            config.critic_rate,
+            np.float32(config.critic_decay),
+            np.float32(weights[0]),
+            np.float32(weights[1]),
+        )
+        self._shapes = shapes_of(environment, config)
+        actor, critic = self._shapes
+        self._actor = learned(network.initial(actor, generator(seed, "actor")))
+        self._critic = learned(network.initial(critic, generator(seed, "critic")))
+        self._statistics = Statistics(coordinates, environment.action_size)
+        self._perturbations = 0
+        self._noise = ParameterNoise(config.noise, network.noisy_size(actor))
+        memory = empty_memory(
+            min(config.replay_size, timesteps), environment.feature_size,
+            environment.action_size, coordinates.seen.size + environment.action_size,
+            linearized=self._matched,
+        )  # fmt: skip
+        self._replay = Replay(memory, environment.state_size)
+        self._means = UpdateMeans()
+
+    def policy(self) -> Policy:
+        """The deterministic policy learned so far."""
+        scaling = self._statistics.scaling()
+        return Policy(self._actor.theta, scaling.mean, scaling.inverse)
+
+    def exploring_policy(self) -> Policy:
+        """A newly perturbed actor."""
+        noise = generator(self.seed, "parameter noise", self._perturbations)
+        self._perturbations += 1
+        return self.policy()._replace(theta=self._noise.perturbed(self._actor.theta, noise))
+
+    def remember(self, experience: Experience) -> None:
+        """Store the transitions and take in their features."""
+        transitions = experience.transitions
+        self._statistics.observe(np.ascontiguousarray(transitions.features))
+        if not self._replay.size:
+            rewards = transitions.rewards
+            self._statistics.set_value_scale(float(rewards.mean()), float(rewards.std()))
+        self._replay.extend(transitions, experience.states)
+        self.jacobians += len(experience.states) if self._matched else 0
+
+    def learn(self) -> str | None:
+        """Adapt the noise, update both networks, move the critic's output unit."""
+        count, batch = self._config.cycle_updates, self._config.batch_size
+        self._adapt_noise()
+        draws = generator(self.seed, "batches", self.updates)
+        indices = draws.integers(self._replay.size, size=(count, batch))
+        report = empty_report(count)
+        done = update(
+            self._actor, self._critic, self.updates, self._replay.memory, indices,
+            self._coordinates, self._statistics.scaling(), self._rates, self._shapes, report,
+        )  # fmt: skip
+        self.updates += done
+        if done < count:
+            return "loss" if np.isnan(report.critic_loss[done]) else "parameters"
+        self._move_value_scale(report)
+        self._means.add(report)
+        return None
+
+    def diagnose(self, timestep: int) -> dict[str, float]:
+        """The means of the updates since the last call, and how well gradients fit."""
+        draws = generator(self.seed, "diagnostics", timestep)
+        indices = draws.integers(self._replay.size, size=self._config.batch_size)
+        memory = self._replay.memory
+        actions = memory.actions[indices].astype(np.float64)
+        steps = self._environment.differentiate(self._replay.states[indices], actions)
+        self.jacobians += len(indices)
+        derivatives = fold(self._environment, self._coordinates, steps)
+        drawn = Memory._make([*(part[indices] for part in memory[:5]), *derivatives])
+        gradient, target = gradient_pair(
+            self._actor, self._critic, drawn, self._coordinates, self._statistics.scaling(),
+            self._rates.gamma, self._shapes,
+        )  # fmt: skip
+        return {
+            **self._means.take(),
+            **agreement(gradient, target, self._coordinates),
+            "noise_scale": self._noise.scale,
+            "value_std": self._statistics.value_std,
+        }
+
+    def _adapt_noise(self) -> None:
+        """Measure what a fresh perturbation does to the actions, and follow it."""
+        draws = generator(self.seed, "noise adaptation", self.updates)
+        perturbed = self._noise.perturbed(self._actor.theta, draws)
+        indices = draws.integers(self._replay.size, size=self._config.batch_size)
+        distance = action_distance(
+            self._actor.theta, perturbed, self._replay.memory, indices,
+            self._statistics.scaling(), self._shapes[0],
+        )  # fmt: skip
+        self._noise.adapt(float(distance))
+
+    def _move_value_scale(self, report: Report) -> None:
+        """Set the unit of Q to the cycle's targets, leaving Q and Q' as they are."""
+        statistics = self._statistics
+        mean, std = statistics.value_mean, statistics.value_std
+        statistics.set_value_scale(
+            mean + std * float(report.target_mean.mean()),
+            std * float(np.sqrt(report.target_square.mean())),
+        )
+        ratio = np.float32(std / statistics.value_std)
+        shift = np.float32((mean - statistics.value_mean) / statistics.value_std)
+        for theta in (self._critic.theta, self._critic.target):
+            critic = network.parameters(theta, self._shapes[1])
+            critic.weight[:] *= ratio
+            critic.bias[:] = critic.bias * ratio + shift
+
+
+def shapes_of(environment: Environment, config: DDPGConfig) -> tuple[Shape, Shape]:
+    """The sizes of the actor and of the critic."""
+    features, actions = environment.feature_size, environment.action_size
+    return (
+        Shape(features, config.hidden_units, actions),
+        Shape(features + actions, config.hidden_units, 1),
+    )
+
+
+def build(
+    environment: Environment,
+    seeds: Sequence[int],
+    weights: tuple[float, float],
+    timesteps: int,
+    config: DDPGConfig,
+) -> OffPolicyLearner:
+    """A cohort of DDPG runs; with weights other than 0, of its hybrid."""
+    coordinates = coordinates_of(environment)
+    agents = [
+        DDPGAgent(environment, coordinates, seed, weights, timesteps, config) for seed in seeds
+    ]
+    rollout = Rollout(
+        environment, coordinates, seeds,
+        linearized=weights != (0, 0),
+        time_limit_is_terminal=config.time_limit_is_terminal,
+    )  # fmt: skip
+    return OffPolicyLearner(
+        environment, agents, rollout, agents[0]._shapes[0],
+        timesteps=timesteps, rollout_steps=config.rollout_steps,
+    )  # fmt: skip

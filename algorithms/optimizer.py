@@ -1,0 +1,74 @@
+"""Gradient steps on flat parameter vectors: Adam, weight decay, Polyak averaging.
+
+    m <- m + (1 - beta1)(g - m),   v <- v + (1 - beta2)(g^2 - v)
+    theta <- theta - rate sqrt(1 - beta2^t) / (1 - beta1^t) m / (sqrt v + EPSILON)
+
+Source: Adam, Kingma and Ba (2014), in the order of computation of their section 2, which is that of
+OpenAI Baselines (EPSILON outside the correction).
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from algorithms.layer import Array
+from physics.compiled import compiled_fast
+
+BETA1, BETA2 = np.float32(0.9), np.float32(0.999)
+EPSILON = np.float32(1e-8)
+ONE = np.float32(1)
+
+
+class Learned(NamedTuple):
+    """A network in training: flat vectors [P] of one length."""
+
+    theta: Array
+    target: Array
+    """The slowly following copy."""
+    m: Array
+    v: Array
+
+
+def learned(theta: NDArray[np.float32]) -> Learned:
+    """A network about to be trained, its target equal to it."""
+    return Learned(theta, theta.copy(), np.zeros_like(theta), np.zeros_like(theta))
+
+
+@compiled_fast
+def corrected(rate: float, update: int) -> Any:
+    """The step size that Adam's update number `update` (from 1 on) takes."""
+    return np.float32(rate * np.sqrt(1.0 - 0.999**update) / (1.0 - 0.9**update))
+
+
+@compiled_fast
+def decay(theta: Array, size: int, rate: Any, gradient: Array) -> None:
+    """Add the gradient of `rate / 2 |theta|^2` over the first `size` parameters."""
+    for i in range(size):
+        gradient[i] += rate * theta[i]
+
+
+@compiled_fast
+def adam(network: Learned, gradient: Array, step: float) -> tuple[Any, Any]:
+    """Step the network; return the squared norms of the gradient and of the new theta.
+
+    Either is not finite if any entry is not.
+    """
+    theta, m, v = network.theta, network.m, network.v
+    real = theta.dtype.type
+    gradient_norm, theta_norm = real(0), real(0)
+    for i in range(theta.size):
+        g = gradient[i]
+        m[i] += (ONE - BETA1) * (g - m[i])
+        v[i] += (ONE - BETA2) * (g * g - v[i])
+        theta[i] -= step * m[i] / (np.sqrt(v[i]) + EPSILON)
+        gradient_norm += g * g
+        theta_norm += theta[i] * theta[i]
+    return gradient_norm, theta_norm
+
+
+@compiled_fast
+def follow(network: Learned, tau: Any) -> None:
+    """Move the target a share `tau` of the way to the network."""
+    for i in range(network.theta.size):
+        network.target[i] += tau * (network.theta[i] - network.target[i])

@@ -1,0 +1,140 @@
+"""Rollout: the ongoing episodes of a cohort, stepped together.
+
+Each run's episodes start in states of its own: episode i of a run is drawn from the generator of
+(seed, "episode", i). A time limit truncates: the episode ends, but the task has not.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from algorithms.policy import Policies
+from algorithms.replay import Memory, empty_memory
+from algorithms.scaling import Coordinates
+from algorithms.target_jacobian import fold
+from physics.environment import Environment, Linearization
+from physics.randomness import generator
+
+FloatArray = NDArray[np.float64]
+
+
+class Experience(NamedTuple):
+    """Some steps of one run, in order."""
+
+    transitions: Memory
+    states: FloatArray
+    """[steps, n]"""
+
+
+def start_states(environment: Environment, purposes: Sequence[tuple[int, str, int]]) -> FloatArray:
+    """A start state for each (seed, purpose, index)."""
+    seeds = [int(generator(*purpose).integers(2**63)) for purpose in purposes]
+    return environment.initial_states(seeds)
+
+
+class Rollout:
+    """The episodes of K runs.
+
+    Attributes:
+        episodes: int [K], how many episodes each run has ended.
+    """
+
+    def __init__(
+        self,
+        environment: Environment,
+        coordinates: Coordinates,
+        seeds: Sequence[int],
+        *,
+        linearized: bool,
+        time_limit_is_terminal: bool,
+    ) -> None:
+        """Start the first episode of each run.
+
+        Args:
+            environment: the task.
+            coordinates: of its features.
+            seeds: of the runs.
+            linearized: whether each step's derivatives are wanted.
+            time_limit_is_terminal: whether running out of time counts as the task's end.
+        """
+        self._environment = environment
+        self._coordinates = coordinates
+        self._linearized = linearized
+        self._time_limit_is_terminal = time_limit_is_terminal
+        self._seeds = list(seeds)
+        self.episodes = np.zeros(len(seeds), np.int64)
+        self._elapsed = np.zeros(len(seeds), np.int64)
+        self._states = start_states(environment, [(seed, "episode", 0) for seed in seeds])
+
+    def keep(self, rows: Sequence[int]) -> None:
+        """Keep these runs only."""
+        kept = list(rows)
+        self._seeds = [self._seeds[row] for row in kept]
+        self.episodes = self.episodes[kept]
+        self._elapsed = self._elapsed[kept]
+        self._states = self._states[kept]
+
+    def collect(
+        self, steps: int, policies: Policies, begin: Callable[[int], None]
+    ) -> list[Experience]:
+        """Take `steps` steps in every run; call `begin(k)` whenever run k begins an episode."""
+        environment, runs = self._environment, len(self._seeds)
+        columns = self._coordinates.seen.size + environment.action_size
+        taken = empty_memory(
+            steps * runs, environment.feature_size, environment.action_size, columns,
+            linearized=self._linearized,
+        )  # fmt: skip
+        states = np.empty((steps * runs, environment.state_size))
+        features = environment.features(self._states)
+        for step in range(steps):
+            rows = slice(step * runs, (step + 1) * runs)
+            actions = policies.act(features)
+            states[rows] = self._states
+            taken.features[rows] = features
+            taken.actions[rows] = actions
+            features = self._step(actions, rows, taken, begin)
+        return [
+            Experience(Memory(*(part[k::runs] for part in taken)), states[k::runs])
+            for k in range(runs)
+        ]
+
+    def _step(
+        self, actions: FloatArray, rows: slice, taken: Memory, begin: Callable[[int], None]
+    ) -> FloatArray:
+        """Take one step, note it in `rows` of `taken`, and return the features to act on next."""
+        environment = self._environment
+        if self._linearized:
+            linearization = environment.differentiate(self._states, actions)
+            transition = linearization.transition
+            self._note_derivatives(linearization, rows, taken)
+        else:
+            transition = environment.step(self._states, actions)
+        self._elapsed += 1
+        ended = transition.terminated
+        out_of_time = self._elapsed >= environment.horizon
+        final = ended | out_of_time if self._time_limit_is_terminal else ended
+        features = environment.features(transition.next_state)
+        taken.rewards[rows] = transition.reward
+        taken.next_features[rows] = features
+        taken.continues[rows] = ~final
+        self._states = transition.next_state
+        over = ended | out_of_time
+        if over.any():
+            self._begin_episodes(np.flatnonzero(over).tolist(), begin)
+            features = environment.features(self._states)
+        return features
+
+    def _note_derivatives(self, steps: Linearization, rows: slice, taken: Memory) -> None:
+        rewards, jacobians = fold(self._environment, self._coordinates, steps)
+        taken.reward_gradients[rows] = rewards
+        taken.jacobians[rows] = jacobians
+
+    def _begin_episodes(self, runs: Sequence[int], begin: Callable[[int], None]) -> None:
+        for k in runs:
+            self.episodes[k] += 1
+            self._elapsed[k] = 0
+            purpose = (self._seeds[k], "episode", int(self.episodes[k]))
+            self._states[k] = start_states(self._environment, [purpose])[0]
+            begin(k)

@@ -1,0 +1,96 @@
+"""Train: one algorithm on one task, from Python.
+
+for m in train("hybrid-ddpg", "Pendulum", seeds=range(16), timesteps=20_000):
+    print(m.seed, m.timestep, m.return_mean)
+"""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import physics
+from algorithms import catalogue
+from algorithms.catalogue import Algorithm
+from algorithms.learner import Learner
+from algorithms.measurement import DivergedError, Divergence, Measurement
+from algorithms.presets import preset
+from physics.environment import Environment
+
+
+def train(
+    algorithm: str,
+    environment: str,
+    seeds: Sequence[int],
+    weights: tuple[float, float] | None = None,
+    timesteps: int | None = None,
+    config: Mapping[str, Any] | None = None,
+) -> Iterator[Measurement]:
+    """Train a cohort of runs, yielding each measurement as it is made.
+
+    Args:
+        algorithm: a name of `algorithms.names()`.
+        environment: a name of `physics.names()`.
+        seeds: one run each, all different, from 0 on.
+        weights: (w1, w2), of the action and state gradient terms; None: the preset's.
+        timesteps: environment steps of each run; None: the preset's.
+        config: settings other than the algorithm's defaults; None: the preset's.
+
+    Raises:
+        ValueError: for an unknown name or a bad value; it says what was expected.
+        DivergedError: at the end, if any run diverged; the others were trained to their end.
+    """
+    learner = build(algorithm, environment, seeds, weights, timesteps, config)
+    divergences = []
+    while not learner.finished:
+        for event in learner.advance():
+            if isinstance(event, Divergence):
+                divergences.append(event)
+            else:
+                yield event
+    if divergences:
+        raise DivergedError(divergences)
+
+
+def build(
+    algorithm: str,
+    environment: str,
+    seeds: Sequence[int],
+    weights: tuple[float, float] | None = None,
+    timesteps: int | None = None,
+    config: Mapping[str, Any] | None = None,
+) -> Learner:
+    """The learner that `train` advances; same arguments and errors."""
+    chosen, task = catalogue.find(algorithm), physics.make(environment)
+    usual = preset(algorithm, environment)
+    steps = usual.timesteps if timesteps is None else timesteps
+    pair = usual.weights if weights is None else weights
+    settings = usual.config if config is None else config
+    check_pair(chosen, task)
+    check_numbers(chosen, seeds, pair, steps)
+    learner: Learner = chosen.load()(
+        task, list(seeds), pair, steps, chosen.config_class()(**settings)
+    )
+    return learner
+
+
+def check_pair(algorithm: Algorithm, environment: Environment) -> None:
+    """Refuse an algorithm that the task cannot serve."""
+    if algorithm.needs_reward_gradient and not environment.reward_is_differentiable:
+        raise ValueError(
+            f"{algorithm.name} needs the reward's gradient, and that of {environment.name} is "
+            "not differentiable: choose an algorithm that learns from values, such as ddpg"
+        )
+
+
+def check_numbers(
+    algorithm: Algorithm, seeds: Sequence[int], weights: tuple[float, float], timesteps: int
+) -> None:
+    """Refuse numbers out of range, by name."""
+    if not seeds or len(set(seeds)) < len(seeds) or min(seeds) < 0:
+        raise ValueError(f"seeds must be different integers from 0 on, not {list(seeds)}")
+    if len(weights) != 2 or not all(math.isfinite(w) and w >= 0 for w in weights):
+        raise ValueError(f"weights must be two finite numbers from 0 on, not {weights}")
+    if not algorithm.uses_weights and any(weights):
+        raise ValueError(f"{algorithm.name} takes no weights, but got {weights}: give (0, 0)")
+    if timesteps < 1:
+        raise ValueError(f"timesteps must be at least 1, not {timesteps}")

@@ -1,0 +1,43 @@
+"""A run's curve depends on its spec alone."""
+
+import pytest
+
+import algorithms
+
+Curve = list[tuple[int, float, float]]
+TIMESTEPS = 1_600
+WEIGHTS = {"ddpg": (0.0, 0.0), "hybrid-ddpg": (0.1, 0.01)}
+
+
+def curves(
+    name: str, seeds: list[int], weights: tuple[float, float] | None = None
+) -> dict[int, Curve]:
+    found: dict[int, Curve] = {seed: [] for seed in seeds}
+    pair = WEIGHTS[name] if weights is None else weights
+    for m in algorithms.train(name, "Pendulum", seeds, pair, TIMESTEPS):
+        found[m.seed].append((m.timestep, m.return_mean, m.return_history))
+    return found
+
+
+@pytest.mark.parametrize("name", WEIGHTS)
+def test_alone_and_in_a_cohort_of_16_the_same_bits(name: str) -> None:
+    cohort = curves(name, list(range(16)))
+    assert curves(name, [5]) == {5: cohort[5]}
+    assert cohort[5] != cohort[6]
+
+
+def test_hybrid_without_weights_is_ddpg() -> None:
+    assert curves("hybrid-ddpg", [0, 1], (0.0, 0.0)) == curves("ddpg", [0, 1])
+    assert curves("hybrid-ddpg", [0, 1]) != curves("ddpg", [0, 1])
+
+
+def test_dropped_neighbours_change_nothing() -> None:
+    whole = curves("hybrid-ddpg", [0, 1, 2])
+    learner = algorithms.build("hybrid-ddpg", "Pendulum", [0, 1, 2], (0.1, 0.01), TIMESTEPS)
+    found: Curve = []
+    while not learner.finished:
+        events = learner.advance()
+        found += [(m.timestep, m.return_mean, m.return_history) for m in events if m.seed == 1]  # type: ignore[union-attr]
+        if learner.timestep == 800:
+            learner.drop([0, 2])
+    assert found == whole[1]
