@@ -7,11 +7,14 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from pydantic import SecretStr
 from starlette.testclient import TestClient
 
 import physics
+from service.app import create_app
+from service.settings import Settings
 from service.store.store import Store
-from tests.service.conftest import SWEEP, changed
+from tests.service.conftest import SWEEP, TOKEN, FakeDispatcher, changed, client_of
 from tests.service.training import random_return, train
 from workers.run_spec import RunSpec
 
@@ -23,13 +26,24 @@ def value(spec: RunSpec, timestep: int) -> float:
     return RANDOM + timestep * (1 + spec.seed) / 100 + 50 * len(spec.algorithm)
 
 
-@pytest.fixture
-def trained(client: TestClient, store: Store) -> str:
-    """A sweep of three seeds that has been trained."""
+@pytest.fixture(scope="module")
+def reader(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
+    """A client of a service with one trained sweep of three seeds; tests only read."""
+    settings = Settings(data_dir=tmp_path_factory.mktemp("trained"), token=SecretStr(TOKEN))
+    store = Store.open(settings.store_url)
     for environment in ("MassPoint", "Pendulum"):
         store.record_random_return(random_return(environment, RANDOM))
-    sweep: Json = client.post("/api/v1/sweeps", json=SWEEP).json()
+    client = client_of(create_app(settings, store, FakeDispatcher()))
+    client.post("/api/v1/sweeps", json=SWEEP)
     train(store, 5, value)
+    yield client
+    store.close()
+
+
+@pytest.fixture(scope="module")
+def trained(reader: TestClient) -> str:
+    """The link of that sweep."""
+    (sweep,) = reader.get("/api/v1/sweeps").json()["items"]
     return str(sweep["links"]["self"])
 
 
@@ -38,8 +52,8 @@ def curves_of(answer: Json) -> Iterator[Json]:
         yield from panel["curves"]
 
 
-def test_mean_and_band_of_all_seeds(client: TestClient, trained: str) -> None:
-    answer = client.get(f"{trained}/curves?normalized=false").json()
+def test_mean_and_band_of_all_seeds(reader: TestClient, trained: str) -> None:
+    answer = reader.get(f"{trained}/curves?normalized=false").json()
     assert answer == answer | {
         "sweep": trained.rpartition("/")[2],
         "metric": "return_mean",
@@ -65,9 +79,9 @@ def test_mean_and_band_of_all_seeds(client: TestClient, trained: str) -> None:
                 assert curve["high"][j] == pytest.approx(mean + deviation, rel=1e-8)
 
 
-def test_normalised_zero_is_random_and_one_is_the_best(client: TestClient, trained: str) -> None:
-    raw = client.get(f"{trained}/curves?normalized=false").json()
-    normalised = client.get(f"{trained}/curves").json()
+def test_normalised_zero_is_random_and_one_is_the_best(reader: TestClient, trained: str) -> None:
+    raw = reader.get(f"{trained}/curves?normalized=false").json()
+    normalised = reader.get(f"{trained}/curves").json()
     assert normalised["normalized"] is True
     assert "Normalised: 0 is the mean return of uniform random" in normalised["definition"]
     task = physics.make("Pendulum")
@@ -92,16 +106,16 @@ def test_without_a_random_return_nothing_is_normalised(client: TestClient, store
     assert all(curve["n"] == [3] * 5 for curve in curves_of(raw))
 
 
-def test_single_seeds_on_request(client: TestClient, trained: str) -> None:
-    assert "seeds" not in next(curves_of(client.get(f"{trained}/curves").json()))
-    answer = client.get(f"{trained}/curves?seeds=true&normalized=false").json()
+def test_single_seeds_on_request(reader: TestClient, trained: str) -> None:
+    assert "seeds" not in next(curves_of(reader.get(f"{trained}/curves").json()))
+    answer = reader.get(f"{trained}/curves?seeds=true&normalized=false").json()
     for number, curve in enumerate(curves_of(answer)):
         spec = RunSpec(curve["algorithm"], "Pendulum", 0)
         for seed in range(3):
             one = curve["seeds"][seed]
             assert one["seed"] == seed
             assert one["run_id"].endswith(f"-{3 * number + seed}")
-            run = client.get(f"/api/v1/runs/{one['run_id']}").json()
+            run = reader.get(f"/api/v1/runs/{one['run_id']}").json()
             assert (run["algorithm"], run["seed"]) == (curve["algorithm"], seed)
             assert one["values"][0] == pytest.approx(value(RunSpec(spec.algorithm, "", seed), 800))
 
@@ -109,8 +123,8 @@ def test_single_seeds_on_request(client: TestClient, trained: str) -> None:
 @pytest.mark.parametrize("band", ["std", "ci95", "iqr"])
 @pytest.mark.parametrize("metric", ["return_mean", "return_history", "critic_loss"])
 @pytest.mark.parametrize("x", ["timesteps", "updates", "jacobians", "seconds"])
-def test_every_view(client: TestClient, trained: str, band: str, metric: str, x: str) -> None:
-    response = client.get(f"{trained}/curves", params={"band": band, "metric": metric, "x": x})
+def test_every_view(reader: TestClient, trained: str, band: str, metric: str, x: str) -> None:
+    response = reader.get(f"{trained}/curves", params={"band": band, "metric": metric, "x": x})
     assert response.status_code == 200, response.text
     answer = json.loads(response.text, parse_constant=pytest.fail)
     assert answer["normalized"] is (metric != "critic_loss")
@@ -123,9 +137,9 @@ def test_every_view(client: TestClient, trained: str, band: str, metric: str, x:
         assert curve["x"] == sorted(set(curve["x"]))
 
 
-def test_thinned_to_so_many_points(client: TestClient, trained: str) -> None:
-    whole = client.get(f"{trained}/curves").json()
-    thinned = client.get(f"{trained}/curves?max_points=3").json()
+def test_thinned_to_so_many_points(reader: TestClient, trained: str) -> None:
+    whole = reader.get(f"{trained}/curves").json()
+    thinned = reader.get(f"{trained}/curves?max_points=3").json()
     for before, after in zip(curves_of(whole), curves_of(thinned), strict=True):
         assert after["x"] == [800, 2400, 4000]
         assert after["mean"] == before["mean"][::2]
@@ -158,24 +172,23 @@ def test_a_running_sweep_counts_who_got_there(client: TestClient, store: Store) 
     ],
 )
 def test_a_wrong_view_is_refused(
-    client: TestClient, trained: str, query: str, field: str, says: str
+    reader: TestClient, trained: str, query: str, field: str, says: str
 ) -> None:
-    response = client.get(f"{trained}/curves?{query}")
+    response = reader.get(f"{trained}/curves?{query}")
     assert response.status_code == 422
     (error,) = response.json()["errors"]
     assert error["field"] == field
     assert says in error["message"]
 
 
-def test_figures_are_files_with_the_same_bytes_each_time(client: TestClient, trained: str) -> None:
-    png = client.get(f"{trained}/plot.png")
+def test_figures_are_files_with_the_same_bytes_each_time(reader: TestClient, trained: str) -> None:
+    png = reader.get(f"{trained}/plot.png")
     assert png.headers["content-type"] == "image/png"
     assert png.content.startswith(b"\x89PNG")
-    assert client.get(f"{trained}/plot.png").content == png.content
-    assert client.get(f"{trained}/plot.png?normalized=false").content != png.content
-    svg = client.get(f"{trained}/plot.svg")
+    assert reader.get(f"{trained}/plot.png").content == png.content
+    svg = reader.get(f"{trained}/plot.svg")
     assert svg.headers["content-type"] == "image/svg+xml"
-    assert client.get(f"{trained}/plot.svg").content == svg.content
+    assert reader.get(f"{trained}/plot.svg").content == svg.content
     xml.dom.minidom.parseString(svg.content)  # noqa: S318 - our own
 
 
