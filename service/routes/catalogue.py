@@ -1,12 +1,17 @@
 """What can be submitted: algorithms and environments, their settings and limits."""
 
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
 from fastapi import APIRouter
-from pydantic import BaseModel
+from pydantic import BaseModel, Field, TypeAdapter
 
 import physics
-from service.algorithm import algorithm_facts, algorithm_names
-from service.environment import environment_facts
-from service.palette import colour
+from algorithms import catalogue
+from algorithms.presets import Preset, preset
+from service.environment import EnvironmentFacts, environment_facts
+from service.schemas.run_answer import WeightsAnswer
 from service.schemas.sweep_request import (
     MAX_LISTED,
     MAX_NAME,
@@ -19,13 +24,23 @@ from service.schemas.sweep_request import (
 router = APIRouter(tags=["catalogue"])
 
 
+class PresetAnswer(BaseModel):
+    """What a submission gets that names no setting."""
+
+    weights: WeightsAnswer
+    timesteps: int
+    config: dict[str, Any]
+
+
 class AlgorithmAnswer(BaseModel):
-    """An algorithm."""
+    """An algorithm; `config_schema` is the JSON schema of its settings."""
 
     name: str
+    summary: str
     uses_weights: bool
     needs_reward_gradient: bool
-    colour: str
+    config_schema: dict[str, Any]
+    presets: dict[str, PresetAnswer] = Field(description="By environment it can learn in.")
 
 
 class EnvironmentAnswer(BaseModel):
@@ -62,19 +77,35 @@ class CatalogueAnswer(BaseModel):
 
 @router.get("/catalogue")
 def get_catalogue() -> CatalogueAnswer:
-    """List algorithms and environments."""
-    algorithms = [algorithm_facts(name) for name in algorithm_names()]
+    """List algorithms, environments and limits: all that a submission can be made of."""
     environments = [environment_facts(name) for name in physics.names()]
     return CatalogueAnswer(
-        algorithms=[
-            AlgorithmAnswer(
-                name=facts.name,
-                uses_weights=facts.uses_weights,
-                needs_reward_gradient=facts.needs_reward_gradient,
-                colour=colour(facts.name),
-            )
-            for facts in algorithms
-        ],
-        environments=[EnvironmentAnswer(**vars(facts)) for facts in environments],
+        algorithms=[_algorithm(name, environments) for name in catalogue.names()],
+        environments=[EnvironmentAnswer(**asdict(facts)) for facts in environments],
         limits=LimitsAnswer(),
+    )
+
+
+def _algorithm(name: str, environments: Sequence[EnvironmentFacts]) -> AlgorithmAnswer:
+    algorithm = catalogue.find(name)
+    able = [
+        facts.name
+        for facts in environments
+        if facts.reward_is_differentiable or not algorithm.needs_reward_gradient
+    ]
+    return AlgorithmAnswer(
+        name=algorithm.name,
+        summary=algorithm.summary,
+        uses_weights=algorithm.uses_weights,
+        needs_reward_gradient=algorithm.needs_reward_gradient,
+        config_schema=TypeAdapter(algorithm.config_class()).json_schema(),
+        presets={environment: _preset(preset(name, environment)) for environment in able},
+    )
+
+
+def _preset(usual: Preset) -> PresetAnswer:
+    return PresetAnswer(
+        weights=WeightsAnswer(w1=usual.weights[0], w2=usual.weights[1]),
+        timesteps=usual.timesteps,
+        config=dict(usual.config),
     )

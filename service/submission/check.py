@@ -1,12 +1,13 @@
 """What can be wrong with a posted sweep beyond the form of its fields."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from typing import TypeVar
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any, TypeVar
 
-import physics
-from service.algorithm import algorithm_facts, algorithm_names
+from pydantic import ValidationError
+
+from algorithms import catalogue
 from service.environment import environment_facts
-from service.problems import Fault
+from service.problems import Fault, faults_of
 from service.schemas.sweep_request import MAX_RUNS, AlgorithmRequest, SweepRequest, Weights
 from service.submission.nearest import unknown_name
 
@@ -30,10 +31,7 @@ def name_faults(request: SweepRequest) -> list[Fault]:
     """Refuse names that are not in the catalogues."""
     algorithms = [(f"algorithms[{i}].name", each.name) for i, each in enumerate(request.algorithms)]
     environments = [(f"environments[{i}]", name) for i, name in enumerate(request.environments)]
-    return [
-        *_unknown(algorithms, algorithm_names()),
-        *_unknown(environments, physics.names()),
-    ]
+    return [*_unknown(algorithms, catalogue.find), *_unknown(environments, environment_facts)]
 
 
 def product_faults(request: SweepRequest) -> list[Fault]:
@@ -44,12 +42,18 @@ def product_faults(request: SweepRequest) -> list[Fault]:
         *_repeated({f"environments[{i}]": name for i, name in enumerate(request.environments)}),
         *_repeated(dict(_variants(request))),
         *_useless_weights(request),
+        *_wrong_settings(request),
         *_impossible_pairs(request),
     ]
 
 
-def _unknown(named: Iterable[tuple[str, str]], known: list[str]) -> list[Fault]:
-    return [unknown_name(field, name, known) for field, name in named if name not in known]
+def _unknown(named: Iterable[tuple[str, str]], find: Callable[[str], object]) -> Iterator[Fault]:
+    """Ask a catalogue, which knows the nearest name, for each."""
+    for field, name in named:
+        try:
+            find(name)
+        except ValueError as unknown:
+            yield Fault(field, str(unknown))
 
 
 def _repeated(values: Mapping[str, Value]) -> list[Fault]:
@@ -80,9 +84,27 @@ def _useless_weights(request: SweepRequest) -> list[Fault]:
             0,
         )
         for i, algorithm in enumerate(request.algorithms)
-        if not algorithm_facts(algorithm.name).uses_weights
+        if not catalogue.find(algorithm.name).uses_weights
         and any(weights and (weights.w1 or weights.w2) for weights in _listed(algorithm))
     ]
+
+
+def _wrong_settings(request: SweepRequest) -> Iterator[Fault]:
+    """Refuse settings that the algorithm's config class does not take."""
+    for i, algorithm in enumerate(request.algorithms):
+        settings = catalogue.find(algorithm.name).config_class()
+        try:
+            settings(**algorithm.config)
+        except ValidationError as refusal:
+            for error in refusal.errors():
+                yield _settings_fault(f"algorithms[{i}].config", error, settings)
+
+
+def _settings_fault(field: str, error: Mapping[str, Any], settings: type[Any]) -> Fault:
+    name = error["loc"][0]
+    if error["type"] == "unexpected_keyword_argument":
+        return unknown_name(f"{field}.{name}", name, list(settings.__dataclass_fields__))
+    return faults_of([{**error, "loc": (field, *error["loc"])}])[0]
 
 
 def _impossible_pairs(request: SweepRequest) -> list[Fault]:
@@ -93,7 +115,7 @@ def _impossible_pairs(request: SweepRequest) -> list[Fault]:
             f"{environment} has none: its reward is piecewise constant. Leave one of them out.",
         )
         for i, algorithm in enumerate(request.algorithms)
-        if algorithm_facts(algorithm.name).needs_reward_gradient
+        if catalogue.find(algorithm.name).needs_reward_gradient
         for j, environment in enumerate(request.environments)
         if not environment_facts(environment).reward_is_differentiable
     ]

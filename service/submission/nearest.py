@@ -14,4 +14,4 @@ def unknown_name(field: str, name: str, known: Sequence[str]) -> Fault:
     near = get_close_matches(name.casefold()[:200], folded, n=1, cutoff=MIN_SIMILARITY)
     hint = f"; did you mean {folded[near[0]]!r}?" if near else ""
     listed = ", ".join(known)
-    return Fault(field, f"{printable(name)!r} is not known{hint} (known: {listed})", listed)
+    return Fault(field, f"{printable(name)!r} is not known{hint} (known: {listed})")

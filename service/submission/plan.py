@@ -1,17 +1,14 @@
 """What a posted sweep asks for: its cells (curves) and its seeds, whose product are the runs."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from service.algorithm import AlgorithmFacts, algorithm_facts
+from algorithms.presets import preset
 from service.environment import environment_facts
 from service.problems import InvalidRequest
 from service.schemas.sweep_request import AlgorithmRequest, SweepRequest, Weights
 from service.submission.check import cap_faults, name_faults, product_faults
 from workers.run_spec import RunSpec
-
-PRESET_WEIGHTS = (0.1, 0.1)
-PRESET_TIMESTEPS = 40_000
 
 
 @dataclass(frozen=True)
@@ -57,25 +54,31 @@ def plan(request: SweepRequest) -> Plan:
             raise InvalidRequest(faults)
     seeds = range(request.seeds) if isinstance(request.seeds, int) else tuple(request.seeds)
     cells = [
-        RunSpec(
-            algorithm=algorithm.name,
-            environment=environment,
-            seed=seeds[0],
-            weights=weights,
-            timesteps=request.timesteps or PRESET_TIMESTEPS,
-            config=algorithm.config,
-        )
+        cell
         for environment in request.environments
         for algorithm in request.algorithms
-        for weights in _weights(algorithm, algorithm_facts(algorithm.name))
+        for cell in _cells(algorithm, environment, request.timesteps, seeds[0])
     ]
     return Plan(tuple(cells), seeds)
 
 
-def _weights(asked: AlgorithmRequest, facts: AlgorithmFacts) -> list[tuple[float, float]]:
-    if not facts.uses_weights:
-        return [(0.0, 0.0)]
-    if asked.weights is None:
-        return [PRESET_WEIGHTS]
-    listed = [asked.weights] if isinstance(asked.weights, Weights) else asked.weights
-    return [(weights.w1, weights.w2) for weights in listed]
+def _cells(
+    algorithm: AlgorithmRequest, environment: str, timesteps: int | None, seed: int
+) -> Iterator[RunSpec]:
+    """Yield a cell per pair of weights; what is not named is the preset's."""
+    usual = preset(algorithm.name, environment)
+    asked = algorithm.weights
+    if asked is None:
+        pairs = [usual.weights]
+    else:
+        listed = [asked] if isinstance(asked, Weights) else asked
+        pairs = [(weights.w1, weights.w2) for weights in listed]
+    for weights in pairs:
+        yield RunSpec(
+            algorithm=algorithm.name,
+            environment=environment,
+            seed=seed,
+            weights=weights,
+            timesteps=timesteps or usual.timesteps,
+            config={**usual.config, **algorithm.config},
+        )

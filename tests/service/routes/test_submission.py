@@ -81,6 +81,7 @@ def test_what_is_wrong_is_refused_by_field_and_limit(
     ("place", "field"),
     [
         ('"algorithms":[{"name":"hybrid-ddpg","weights":{"w1":#}}]', "algorithms[0].weights.w1"),
+        ('"algorithms":[{"name":"ddpg","config":{"tau":#}}]', "algorithms[0].config.tau"),
         ('"timesteps":#', "timesteps"),
         ('"seeds":[#]', "seeds[0]"),
     ],
@@ -162,6 +163,30 @@ def test_a_product_above_the_cap_is_counted_and_not_expanded(
     error = refusals(idle_client, changed(seeds=seeds))["seeds"]
     assert error["limit"] == MAX_RUNS
     assert str(4 * seeds) in error["message"]
+
+
+@pytest.mark.parametrize(
+    ("config", "field", "limit", "says"),
+    [
+        ({"batch_size": 0}, "batch_size", 1, "greater than or equal to 1"),
+        ({"batch_size": 4096}, "batch_size", 1024, "less than or equal to 1024"),
+        ({"batch_size": True}, "batch_size", None, "valid integer"),
+        ({"batch_size": 64.5}, "batch_size", None, "valid integer"),
+        ({"tau": "0.1"}, "tau", None, "valid number"),
+        ({"tau": [0.1]}, "tau", None, "valid number"),
+        ({"gama": 0.9}, "gama", None, "did you mean 'gamma'?"),
+        ({"__class__": 1}, "__class__", None, "is not known"),
+        ({"self": 1}, "self", None, "is not known"),
+    ],
+)
+def test_settings_are_refused_by_name_and_range(
+    idle_client: TestClient, config: Json, field: str, limit: float | None, says: str
+) -> None:
+    errors = refusals(idle_client, algorithm(config=config))
+    assert list(errors) == [f"algorithms[0].config.{field}"]
+    error = errors[f"algorithms[0].config.{field}"]
+    assert says in error["message"]
+    assert limit is None or error["limit"] == limit
 
 
 def test_several_faults_are_told_at_once(idle_client: TestClient) -> None:

@@ -1,0 +1,31 @@
+"""The catalogue says all that a submission can be made of."""
+
+from starlette.testclient import TestClient
+
+import physics
+from algorithms import catalogue
+
+
+def test_everything_that_is_there_is_listed(idle_client: TestClient) -> None:
+    answer = idle_client.get("/api/v1/catalogue").json()
+    assert [each["name"] for each in answer["environments"]] == physics.names()
+    assert [each["name"] for each in answer["algorithms"]] == catalogue.names()
+    assert answer["limits"]["runs"] >= 10_000
+    for algorithm in answer["algorithms"]:
+        schema = algorithm["config_schema"]["properties"]
+        assert schema["batch_size"]["minimum"] == 1
+        assert schema["batch_size"]["description"]
+
+
+def test_what_is_listed_can_be_submitted(idle_client: TestClient) -> None:
+    answer = idle_client.get("/api/v1/catalogue").json()
+    for algorithm in answer["algorithms"]:
+        body = {
+            "algorithms": [{"name": algorithm["name"]}],
+            "environments": list(algorithm["presets"]),
+            "seeds": 1,
+        }
+        cells = idle_client.post("/api/v1/sweeps?dry_run=true", json=body).json()["cells"]
+        for cell in cells:
+            preset = algorithm["presets"][cell["environment"]]
+            assert preset == {key: cell[key] for key in ("weights", "timesteps", "config")}
