@@ -48,10 +48,14 @@ class DispatchTimes:
 
 @dataclass
 class _Cohort:
-    """What a worker is training. `told` says since when each run has been dropped."""
+    """What a worker is training, and the task whose random return it was asked to measure.
+
+    `told` says since when each run has been dropped.
+    """
 
     claim: Claim
     heard_at: float
+    measures: tuple[str, int] | None
     told: dict[str, float] = field(default_factory=dict)
 
 
@@ -247,12 +251,16 @@ class Dispatcher:
         while self._idle and (waiting := self._store.waiting_runs()):
             share = min(math.ceil(waiting / len(self._idle)), COHORT_LIMIT)
             worker = next(iter(self._idle))
-            measured = self._store.random_returns()
+            measured = {
+                *self._store.random_returns(),
+                *(cohort.measures for cohort in self._cohorts.values()),
+            }
             claim = self._store.claim_cohort(worker, self._times.lease, share)
             if claim is None:
                 return
             first = claim.runs[0]
             version = (first.spec.environment, first.environment_version)
+            measures = None if version in measured else version
             del self._idle[worker]
-            self._cohorts[worker] = _Cohort(claim, self._clock())
-            self._pool.train(worker, claim.specs, measure_random_return=version not in measured)
+            self._cohorts[worker] = _Cohort(claim, self._clock(), measures)
+            self._pool.train(worker, claim.specs, measure_random_return=measures is not None)

@@ -26,6 +26,7 @@ from workers.pool import PoolUnavailableError
 from workers.report import Report, from_line
 from workers.run_spec import RunSpec
 
+TOKEN_VARIABLES = ("RAY_AUTH_TOKEN", "RAY_AUTH_TOKEN_PATH")
 CLOSING_SECONDS = 4.0
 """How long the process may take to end Ray in order; then all of its group is killed."""
 
@@ -106,7 +107,10 @@ class PoolProcess:
         self._send(do="kill", worker=worker)
 
     def reports(self, timeout_seconds: float) -> list[Report]:
-        """Wait for reports. Raises PoolUnavailableError when the process has ended."""
+        """Wait for reports. Raises PoolUnavailableError when the process has ended.
+
+        What it had started is ended then too.
+        """
         found: list[Report] = []
         try:
             report = self._reports.get(timeout=timeout_seconds)
@@ -118,7 +122,9 @@ class PoolProcess:
         if found:
             self._reports.put(None)  # the end is told next time, after what came before it
             return found
-        raise PoolUnavailableError(self._last_words())
+        last_words = self._last_words()
+        self.close()
+        raise PoolUnavailableError(last_words)
 
     def close(self) -> None:
         """End the process and all it started: in order, or by force after a while."""
@@ -135,6 +141,11 @@ class PoolProcess:
             self._channel.close()
             shutil.rmtree(self._scratch, ignore_errors=True)
             self._process = self._channel = None
+
+    @property
+    def process_id(self) -> int | None:
+        """The process that drives Ray; None while there is none."""
+        return None if self._process is None else self._process.pid
 
     @property
     def _log_path(self) -> Path:
@@ -159,8 +170,9 @@ def pool_environment(settings: PoolSettings) -> dict[str, str]:
     """Return the environment of the process: ours, and what Ray and the workers need set.
 
     Ray turns its authentication on by itself in some processes only, and the others then fail, so
-    it is set for all of them. Without a cluster of other machines Ray binds to loopback alone. One
-    thread a worker: the thread count of a library changes the bits, and is read as it loads.
+    it is set for all of them; the token is the data directory's, or for a cluster to join the one
+    that the variables name. A local Ray binds to loopback alone. One thread a worker: the thread
+    count of a library changes the bits, and is read as it loads.
     """
     environment = dict(os.environ)
     environment.update(
@@ -175,6 +187,9 @@ def pool_environment(settings: PoolSettings) -> dict[str, str]:
     )
     if not settings.ray_address:
         environment["RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER"] = "0"
+        for variable in TOKEN_VARIABLES:
+            environment.pop(variable, None)
+    if not set(TOKEN_VARIABLES) & set(environment):
         environment["RAY_AUTH_TOKEN_PATH"] = str(_token_file(settings.data_dir))
     source = Path(__file__).resolve().parent.parent
     if source.name not in {"site-packages", "dist-packages"}:  # not installed, but run in place

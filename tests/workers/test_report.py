@@ -1,0 +1,72 @@
+"""Reports: each survives its trip as a line, every bit of it."""
+
+import math
+import struct
+from dataclasses import asdict
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from algorithms.measurement import Divergence, Measurement
+from workers.progress import Activity, Progress
+from workers.random_return import RandomReturn
+from workers.report import Ended, Failed, Lost, News, Ready, Report, from_line, to_line
+
+COUNTS = st.integers(0, 2**53)
+MEASUREMENTS = st.builds(
+    Measurement,
+    seed=COUNTS,
+    timestep=COUNTS,
+    return_mean=st.floats(),
+    return_history=st.floats(),
+    updates=COUNTS,
+    jacobians=COUNTS,
+    seconds=st.floats(),
+    diagnostics=st.dictionaries(st.text(), st.floats()),
+)
+
+
+@pytest.mark.parametrize(
+    "report",
+    [
+        Ready("worker-1", 4711, "here"),
+        Ended("worker-1"),
+        Failed("worker-1", "Traceback\nValueError: 'ü'\n", "a\nb"),
+        Lost("worker-1", "killed", ""),
+        News(
+            "worker-1",
+            Progress(
+                1600,
+                Activity.COMPILING,
+                diverged=(Divergence(1, 1500, 750, "critic loss"),),
+                finished=(2, 3),
+                dropped=(4,),
+                fingerprint={"numpy": "2.4", "blas": ["openblas 1"]},
+                random_return=RandomReturn("Pendulum", 1, -1.5, -2.0, -1.0, 1000),
+            ),
+        ),
+    ],
+)
+def test_survives_as_a_line(report: Report) -> None:
+    line = to_line(report)
+    assert "\n" not in line
+    assert from_line(line) == report
+    assert from_line(line.encode()) == report
+
+
+@given(st.lists(MEASUREMENTS, max_size=3))
+def test_measurements_survive_bit_for_bit(measurements: list[Measurement]) -> None:
+    report = from_line(to_line(News("w", Progress(0, measurements=tuple(measurements)))))
+    assert isinstance(report, News)
+    assert [bits_of(m) for m in report.progress.measurements] == [bits_of(m) for m in measurements]
+
+
+def bits_of(measurement: Measurement) -> list[object]:
+    """All fields, floats as their bits (all NaNs alike)."""
+    fields = asdict(measurement)
+    numbers = {**fields.pop("diagnostics"), **{f"{k} ": v for k, v in fields.items()}}
+    return [
+        (name, "NaN" if math.isnan(value) else struct.pack("<d", value))
+        for name, value in numbers.items()
+    ]

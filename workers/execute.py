@@ -1,0 +1,68 @@
+"""Executing a cohort: specs in, progress out. Plain Python; knows nothing of what carries them.
+
+A run's curve depends on its spec alone, so executing a run again gives the same measurements.
+"""
+
+from collections.abc import Callable, Collection, Generator, Sequence
+from functools import partial
+
+from algorithms.learner import Learner
+from algorithms.training import build
+from workers.cohort import Cohort
+from workers.fingerprint import fingerprint
+from workers.progress import Activity, Progress
+from workers.random_play import measure_random_return as measure
+from workers.run_spec import RunSpec, shared_cell
+
+REPORT_SECONDS = 1.0
+"""Seconds between two progresses; each is also a heartbeat."""
+
+BuildLearner = Callable[[Sequence[RunSpec]], Learner]
+
+
+def build_learner(specs: Sequence[RunSpec]) -> Learner:
+    """Make the learner of a cohort."""
+    spec = specs[0]
+    return build(
+        spec.algorithm,
+        spec.environment,
+        seeds=[spec.seed for spec in specs],
+        weights=spec.weights,
+        timesteps=spec.timesteps,
+        config=spec.config,
+    )
+
+
+def execute(
+    specs: Sequence[RunSpec],
+    dropped: Callable[[], Collection[int]],
+    on_abandoned: Callable[[], None],
+    *,
+    measure_random_return: bool = False,
+    build_learner: BuildLearner = build_learner,
+) -> Generator[Progress, None, None]:
+    """Train a cohort and yield its progress about once a second, the last one when all has ended.
+
+    Closing the generator stops the training.
+
+    `dropped` names the seeds to stop training; it is asked before every cycle. `on_abandoned` is
+    called, on another thread, when nobody has taken a progress for long and training has stopped.
+    With `measure_random_return`, one of the first has the random return of the task.
+
+    Raises ValueError where the specs are no cohort, and what the learner raises.
+    """
+    shared_cell(specs)
+    yield Progress(0, Activity.COMPILING, fingerprint=fingerprint())
+    cohort = Cohort(
+        lambda: build_learner(specs),
+        dropped,
+        on_abandoned,
+        partial(measure, specs[0].environment) if measure_random_return else None,
+    )
+    try:
+        is_over = False
+        while not is_over:
+            progress, is_over = cohort.collect(REPORT_SECONDS)
+            yield progress
+    finally:
+        cohort.stop()
