@@ -22,9 +22,6 @@ import httpx2
 
 Json = dict[str, Any]
 
-DEFAULT_URL = "http://127.0.0.1:8000"
-DEFAULT_DATA_DIR = Path("d3pg-data")
-
 
 class ServiceError(Exception):
     """The service refused a call or did not answer; the message says why and what to do."""
@@ -35,14 +32,14 @@ class ServiceError(Exception):
         self.status = status
 
 
-def find_token(data_dir: Path) -> str:
-    """The service's token: `D3PG_TOKEN`, else the token file of its data directory.
+def find_token() -> str:
+    """The service's token: `D3PG_TOKEN`, else the file `token` in `D3PG_DATA_DIR` (./d3pg-data).
 
     Raises ServiceError where neither is there.
     """
     if token := os.environ.get("D3PG_TOKEN"):
         return token
-    file = data_dir / "token"
+    file = Path(os.environ.get("D3PG_DATA_DIR") or "d3pg-data") / "token"
     try:
         return file.read_text(encoding="utf-8").strip()
     except OSError as error:
@@ -56,15 +53,15 @@ def find_token(data_dir: Path) -> str:
 class Client:
     """A connection to one service; usable as a context manager.
 
-    `url` defaults to `D3PG_URL`, else this machine's port 8000; `token` to `find_token` in
-    `D3PG_DATA_DIR`, else `./d3pg-data`.
+    `url` defaults to `D3PG_URL`, else this machine's port `D3PG_PORT` (8000); `token` to that of
+    `find_token`.
     """
 
     def __init__(self, url: str | None = None, token: str | None = None) -> None:
         """Open no connection yet: the first call does."""
-        self.url = url or os.environ.get("D3PG_URL") or DEFAULT_URL
-        data_dir = Path(os.environ.get("D3PG_DATA_DIR") or DEFAULT_DATA_DIR)
-        self.token = token or find_token(data_dir)
+        here = f"http://127.0.0.1:{os.environ.get('D3PG_PORT') or 8000}"
+        self.url = url or os.environ.get("D3PG_URL") or here
+        self.token = token or find_token()
         self._http = httpx2.Client(
             base_url=self.url,
             headers={"Authorization": f"Bearer {self.token}"},

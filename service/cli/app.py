@@ -112,7 +112,7 @@ def plot(
 @app.command()
 def token() -> None:
     """Print the service's token, for `Authorization: Bearer`."""
-    console.print(find_token(Path(os.environ.get("D3PG_DATA_DIR") or "d3pg-data")))
+    console.print(find_token(), markup=False, highlight=False)
 
 
 @app.command(name="demo")

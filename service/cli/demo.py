@@ -32,8 +32,17 @@ STOP_SECONDS = 20.0
 
 def run(console: Console, once: bool) -> int:
     """Run the demo; the exit code. Ctrl-C, or with `once` the sweep's end, ends the service."""
+    for ending in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(ending, signal.default_int_handler)  # as Ctrl-C: the service goes too
     environment = {"D3PG_WORKERS": "2"} | os.environ
-    service = subprocess.Popen([sys.executable, "-m", "service"], env=environment)
+    console.print("Starting the service and a local Ray ...")
+    service = subprocess.Popen(
+        [sys.executable, "-m", "service"],
+        env=environment,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,  # the link it prints leads to the list, ours to the sweep
+        start_new_session=True,  # Ctrl-C reaches the service through `stop` alone
+    )
     try:
         client = connect(service)
         sweep_id = demo_sweep(client)

@@ -1,0 +1,5 @@
+"""`python -m service.cli`: the same as `d3pg`."""
+
+from service.cli.app import main
+
+main()

@@ -1,0 +1,161 @@
+"""A real service in processes of its own, as a user runs it."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from service.client import Client, ServiceError
+
+ROOT = Path(__file__).resolve().parents[2]
+START_SECONDS = 60.0
+READY_SECONDS = 90.0
+STOP_SECONDS = 20.0
+
+
+class RunningService:
+    """`python -m service` on a free port, with its data in `data_dir`."""
+
+    def __init__(self, data_dir: Path) -> None:
+        """Start nothing yet."""
+        self.data_dir = data_dir
+        self.port = free_port()
+        self.url = f"http://127.0.0.1:{self.port}"
+        self.environment = os.environ | {
+            "D3PG_DATA_DIR": str(data_dir),
+            "D3PG_PORT": str(self.port),
+            "D3PG_URL": self.url,
+            "D3PG_WORKERS": "2",
+            "PYTHONPATH": str(ROOT),
+            "NO_COLOR": "1",
+        }
+        self.process: subprocess.Popen[bytes] | None = None
+
+    def start(self) -> Client:
+        """Start the service and wait until it answers and its cluster is ready."""
+        with (self.data_dir / "terminal.txt").open("ab") as terminal:
+            self.process = subprocess.Popen(
+                [sys.executable, "-m", "service"],
+                env=self.environment,
+                stdin=subprocess.DEVNULL,
+                stdout=terminal,
+                stderr=terminal,
+            )
+        deadline = time.monotonic() + START_SECONDS + READY_SECONDS
+        while time.monotonic() < deadline:
+            assert self.process.poll() is None, self.terminal()
+            try:
+                token = (self.data_dir / "token").read_text().strip()
+                client = Client(self.url, token)
+                if client.readiness()["status"] == "ready":
+                    return client
+            except (OSError, ServiceError):
+                pass
+            time.sleep(0.2)
+        raise TimeoutError(f"the service did not become ready:\n{self.terminal()}")
+
+    def terminal(self) -> str:
+        """Everything the service printed."""
+        return (self.data_dir / "terminal.txt").read_text()
+
+    def command(self, *arguments: str, stdin: str = "") -> subprocess.CompletedProcess[str]:
+        """Run `d3pg` against this service."""
+        return subprocess.run(
+            [sys.executable, "-m", "service.cli", *arguments],
+            env=self.environment,
+            input=stdin,
+            capture_output=True,
+            text=True,
+            timeout=240,
+            check=False,
+        )
+
+    def worker_pids(self) -> list[int]:
+        """The processes that train."""
+        assert self.process is not None
+        return [pid for pid in descendants(self.process.pid) if is_worker(pid)]
+
+    def kill(self) -> None:
+        """End the server as a power cut would: SIGKILL, and wait for its end."""
+        assert self.process is not None
+        self.process.send_signal(signal.SIGKILL)
+        self.process.wait()
+
+    def stop(self) -> float:
+        """End the service as Ctrl-C would; the seconds it took, None of its processes left."""
+        assert self.process is not None
+        family = descendants(self.process.pid)
+        begun = time.monotonic()
+        self.process.send_signal(signal.SIGINT)
+        self.process.wait(STOP_SECONDS)
+        seconds = time.monotonic() - begun
+        wait_for_end(family)
+        return seconds
+
+
+@contextmanager
+def running_service(data_dir: Path) -> Iterator[tuple[RunningService, Client]]:
+    """A service that is up and ready, ended in any case."""
+    service = RunningService(data_dir)
+    family: list[int] = []
+    try:
+        yield service, service.start()
+    finally:
+        if service.process is not None and service.process.poll() is None:
+            family = descendants(service.process.pid)
+            service.process.send_signal(signal.SIGINT)
+            try:
+                service.process.wait(STOP_SECONDS)
+            except subprocess.TimeoutExpired:
+                service.process.kill()
+                service.process.wait()
+        wait_for_end(family)
+
+
+def free_port() -> int:
+    """A port that nothing listens on now."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def descendants(pid: int) -> list[int]:
+    """The ids of all processes below this one."""
+    try:
+        children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+        tasks = Path(f"/proc/{pid}/task").iterdir()
+        children = [c for task in tasks for c in (task / "children").read_text().split()]
+    except OSError:
+        return []
+    return [below for child in children for below in (int(child), *descendants(int(child)))]
+
+
+def is_worker(pid: int) -> bool:
+    """Whether a process is a Ray actor that trains."""
+    try:
+        return Path(f"/proc/{pid}/cmdline").read_bytes().startswith(b"ray::Worker")
+    except OSError:
+        return False
+
+
+def wait_for_end(pids: list[int], seconds: float = 20.0) -> None:
+    """Wait until none of these processes runs; fails the test with those that do."""
+    deadline = time.monotonic() + seconds
+    while left := [pid for pid in pids if is_running(pid)]:
+        if time.monotonic() > deadline:
+            names = [Path(f"/proc/{pid}/cmdline").read_text().replace("\0", " ") for pid in left]
+            raise AssertionError(f"still running: {names}")
+        time.sleep(0.1)
+
+
+def is_running(pid: int) -> bool:
+    """Whether the process exists and is no zombie."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False

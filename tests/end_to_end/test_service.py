@@ -1,0 +1,140 @@
+"""The main job as a user does it: real processes, real training, real deaths."""
+
+import os
+import signal
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import algorithms
+from service.client import Client
+from tests.end_to_end.running_service import RunningService, running_service
+
+pytestmark = pytest.mark.cluster
+
+Json = dict[str, Any]
+Curve = list[tuple[int, float, float]]
+
+ALGORITHMS = [
+    {"name": "ddpg"},
+    {"name": "hybrid-ddpg", "weights": {"w1": 0.1, "w2": 0.1}},
+]
+TIMESTEPS = 6_400
+SEEDS = [0, 1]
+REQUEST = {
+    "name": "two learners, <b>one</b> pendulum",
+    "algorithms": ALGORITHMS,
+    "environments": ["Pendulum"],
+    "seeds": SEEDS,
+    "timesteps": TIMESTEPS,
+}
+YAML = """
+name: typed by hand
+algorithms: [{name: ddpg}]
+environments: [MassPoint]
+seeds: 2
+timesteps: 1600
+"""
+
+
+@pytest.fixture(scope="module")
+def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[RunningService, Client]]:
+    with running_service(tmp_path_factory.mktemp("data")) as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def undisturbed() -> dict[tuple[str, int], Curve]:
+    """What each run must give: the same specs, trained alone in this process."""
+    return {
+        (name, seed): [
+            (m.timestep, m.return_mean, m.return_history)
+            for m in algorithms.train(name, "Pendulum", [seed], weights, TIMESTEPS)
+        ]
+        for name, weights in (("ddpg", (0.0, 0.0)), ("hybrid-ddpg", (0.1, 0.1)))
+        for seed in SEEDS
+    }
+
+
+def curves(client: Client, sweep_id: str) -> dict[tuple[str, int], Curve]:
+    return {
+        (run["algorithm"], run["seed"]): [
+            (m["timestep"], m["return_mean"], m["return_history"])
+            for m in client.measurements(run["id"])["items"]
+        ]
+        for run in client.runs(sweep_id)
+    }
+
+
+def wait_for_a_measurement(client: Client, sweep_id: str) -> None:
+    deadline = time.monotonic() + 120
+    while not any(run["timestep"] >= 800 for run in client.runs(sweep_id)):
+        assert time.monotonic() < deadline, client.sweep(sweep_id)
+        time.sleep(0.05)
+
+
+def test_killed_worker_costs_time_and_nothing_else(
+    running: tuple[RunningService, Client], undisturbed: dict[tuple[str, int], Curve]
+) -> None:
+    service, client = running
+    sweep_id = client.submit(REQUEST)["id"]
+    wait_for_a_measurement(client, sweep_id)
+    for pid in service.worker_pids():
+        os.kill(pid, signal.SIGKILL)
+    ended = client.wait(sweep_id, timeout_seconds=240)
+    assert ended["runs"]["succeeded"] == ended["runs"]["total"] == 4
+    assert max(run["attempt"] for run in client.runs(sweep_id)) >= 2
+    assert curves(client, sweep_id) == undisturbed
+
+
+def test_killed_server_goes_on_where_it_was(
+    tmp_path: Path, undisturbed: dict[tuple[str, int], Curve]
+) -> None:
+    with running_service(tmp_path) as (service, client):
+        sweep_id = client.submit(REQUEST)["id"]
+        wait_for_a_measurement(client, sweep_id)
+        service.kill()
+        again = service.start()
+        ended = again.wait(sweep_id, timeout_seconds=240)
+        assert ended["runs"]["succeeded"] == 4
+        assert curves(again, sweep_id) == undisturbed
+        assert service.stop() < 10
+
+
+def test_commands(running: tuple[RunningService, Client], tmp_path: Path) -> None:
+    service, _ = running
+    dry = service.command("submit", "-", "--dry-run", stdin=YAML)
+    assert (dry.returncode, dry.stdout) == (0, "2 runs; nothing was queued.\n"), dry.stderr
+
+    submitted = service.command("submit", "-", "--watch", stdin=YAML)
+    assert submitted.returncode == 0, submitted.stderr
+    assert "2 succeeded" in submitted.stdout
+    sweep_id = submitted.stdout.split()[1].rstrip(":")
+
+    figure = tmp_path / "figure.png"
+    plotted = service.command("plot", sweep_id, "-o", str(figure))
+    assert plotted.returncode == 0, plotted.stderr
+    assert figure.read_bytes().startswith(b"\x89PNG")
+
+    refused = service.command("submit", "-", stdin=YAML.replace("MassPoint", "MasPoint"))
+    assert refused.returncode == 1
+    assert "MassPoint" in refused.stderr
+    assert "Traceback" not in refused.stderr
+
+    unknown = service.command("watch", "0" * 12)
+    assert unknown.returncode == 1
+    assert "0" * 12 in unknown.stderr
+
+
+def test_cancel_of_what_is_training(running: tuple[RunningService, Client]) -> None:
+    service, client = running
+    sweep_id = client.submit(REQUEST | {"timesteps": 2_000_000})["id"]
+    wait_for_a_measurement(client, sweep_id)
+    cancelled = service.command("cancel", sweep_id)
+    assert cancelled.returncode == 0, cancelled.stderr
+    ended = client.wait(sweep_id, timeout_seconds=15)
+    assert ended["runs"]["cancelled"] == 4
+    assert all(client.measurements(run["id"])["items"] for run in client.runs(sweep_id))
