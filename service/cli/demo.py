@@ -12,6 +12,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 from typing import Any
 
 from rich.console import Console
@@ -24,7 +25,7 @@ DEMO_SWEEP: dict[str, Any] = {
     "algorithms": [{"name": "ddpg"}, {"name": "hybrid-ddpg"}],
     "environments": ["MassPoint", "Pendulum"],
     "seeds": 4,
-    "timesteps": 12_000,
+    "timesteps": 20_000,
 }
 START_SECONDS = 60.0
 STOP_SECONDS = 20.0
@@ -34,17 +35,21 @@ def run(console: Console, once: bool) -> int:
     """Run the demo; the exit code. Ctrl-C, or with `once` the sweep's end, ends the service."""
     for ending in (signal.SIGTERM, signal.SIGHUP):
         signal.signal(ending, signal.default_int_handler)  # as Ctrl-C: the service goes too
-    environment = {"D3PG_WORKERS": "2"} | os.environ
+    data_dir = Path(os.environ.get("D3PG_DATA_DIR") or "d3pg-data")
+    log = data_dir / "logs" / "service.log"
+    log.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
     console.print("Starting the service and a local Ray ...")
-    service = subprocess.Popen(
-        [sys.executable, "-m", "service"],
-        env=environment,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.DEVNULL,  # the link it prints leads to the list, ours to the sweep
-        start_new_session=True,  # Ctrl-C reaches the service through `stop` alone
-    )
+    with log.open("wb") as output:
+        service = subprocess.Popen(
+            [sys.executable, "-m", "service"],
+            env={"D3PG_WORKERS": "2"} | os.environ,
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=output,
+            start_new_session=True,  # Ctrl-C reaches the service through `stop` alone
+        )
     try:
-        client = connect(service)
+        client = connect(service, log)
         sweep_id = demo_sweep(client)
         console.print(f"\n  The curves, live:  {sign_in_link(client, sweep_id)}\n", soft_wrap=True)
         code = follow(client, sweep_id, console)
@@ -56,17 +61,17 @@ def run(console: Console, once: bool) -> int:
         return 0
     finally:
         stop(service)
-        console.print("Stopped. Everything measured is kept in d3pg-data/.")
+        console.print(f"Stopped. Everything measured is kept in {data_dir}/.", soft_wrap=True)
 
 
-def connect(service: subprocess.Popen[bytes]) -> Client:
+def connect(service: subprocess.Popen[bytes], log: Path) -> Client:
     """A client of the service that is starting; raises ServiceError if it does not come up."""
     deadline = time.monotonic() + START_SECONDS
     while time.monotonic() < deadline:
         if service.poll() is not None:
             raise ServiceError(
-                f"The service ended while starting (exit code {service.returncode}); "
-                "its message stands above."
+                f"The service ended while starting (exit code {service.returncode}):\n"
+                + log.read_text(encoding="utf-8", errors="replace")[-2000:]
             )
         try:
             client = Client()
