@@ -7,7 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from service.client import Client, ServiceError
@@ -35,6 +35,7 @@ class RunningService:
             "NO_COLOR": "1",
         }
         self.process: subprocess.Popen[bytes] | None = None
+        self.clients = ExitStack()
 
     def start(self) -> Client:
         """Start the service and wait until it answers and its cluster is ready."""
@@ -51,7 +52,7 @@ class RunningService:
             assert self.process.poll() is None, self.terminal()
             try:
                 token = (self.data_dir / "token").read_text().strip()
-                client = Client(self.url, token)
+                client = self.clients.enter_context(Client(self.url, token))
                 if client.readiness()["status"] == "ready":
                     return client
             except (OSError, ServiceError):
@@ -106,6 +107,7 @@ def running_service(data_dir: Path) -> Iterator[tuple[RunningService, Client]]:
     try:
         yield service, service.start()
     finally:
+        service.clients.close()
         if service.process is not None and service.process.poll() is None:
             family = descendants(service.process.pid)
             service.process.send_signal(signal.SIGINT)

@@ -59,14 +59,15 @@ def undisturbed() -> dict[tuple[str, int], Curve]:
     }
 
 
+def curve(client: Client, run: Json) -> Curve:
+    columns = client.measurements(run["id"])["columns"]
+    return list(
+        zip(columns["timestep"], columns["return_mean"], columns["return_history"], strict=True)
+    )
+
+
 def curves(client: Client, sweep_id: str) -> dict[tuple[str, int], Curve]:
-    return {
-        (run["algorithm"], run["seed"]): [
-            (m["timestep"], m["return_mean"], m["return_history"])
-            for m in client.measurements(run["id"])["items"]
-        ]
-        for run in client.runs(sweep_id)
-    }
+    return {(run["algorithm"], run["seed"]): curve(client, run) for run in client.runs(sweep_id)}
 
 
 def wait_for_a_measurement(client: Client, sweep_id: str) -> None:
@@ -137,4 +138,4 @@ def test_cancel_of_what_is_training(running: tuple[RunningService, Client]) -> N
     assert cancelled.returncode == 0, cancelled.stderr
     ended = client.wait(sweep_id, timeout_seconds=15)
     assert ended["runs"]["cancelled"] == 4
-    assert all(client.measurements(run["id"])["items"] for run in client.runs(sweep_id))
+    assert all(curve(client, run) for run in client.runs(sweep_id))
