@@ -26,7 +26,12 @@ def compiled(function: F) -> F:
 
 
 def compiled_fast(function: F) -> F:
-    """Compile a network kernel: as `compiled`, but sums may be reordered and fused."""
+    """Compile a network kernel: as `compiled`, but sums may be reordered and fused.
+
+    Always inlined. A callee with a body of its own is in memory twice, once for itself and once in
+    its caller, each reordered in its own way; which of the two a process runs depends on whether it
+    compiled the callee or found the caller in the cache. Then the bits would, too.
+    """
     return _jit(function, fastmath=_REORDERED)
 
 
@@ -36,7 +41,13 @@ def _jit(function: F, fastmath: bool | set[str]) -> F:
     others = config.CACHE_DIR
     config.CACHE_DIR = str(_FOLDER)
     try:
-        jit = numba.njit(cache=_CAN_KEEP, nogil=True, error_model="numpy", fastmath=fastmath)
+        jit = numba.njit(
+            cache=_CAN_KEEP,
+            nogil=True,
+            error_model="numpy",
+            fastmath=fastmath,
+            forceinline=bool(fastmath),
+        )
         return cast("F", jit(function))
     finally:
         config.CACHE_DIR = others

@@ -1,5 +1,10 @@
 """A run's curve depends on its spec alone."""
 
+import os
+import subprocess
+import sys
+from pathlib import Path
+
 import pytest
 
 import algorithms
@@ -41,3 +46,25 @@ def test_dropped_neighbours_change_nothing() -> None:
         if learner.timestep == 800:
             learner.drop([0, 2])
     assert found == whole[1]
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+def test_kernels_just_compiled_and_kernels_from_the_cache_the_same_bits(tmp_path: Path) -> None:
+    program = (
+        "import algorithms\n"
+        "for name, w in (('ddpg', (0, 0)), ('hybrid-ddpg', (1, 0.1))):\n"
+        "    for m in algorithms.train(name, 'Pendulum', [0, 1], w, 1600, {}):\n"
+        "        print(m.seed, m.timestep, repr(m.return_mean))\n"
+    )
+    first, second = (
+        subprocess.run(
+            [sys.executable, "-c", program],
+            env=os.environ | {"XDG_CACHE_HOME": str(tmp_path), "PYTHONPATH": os.getcwd()},
+            capture_output=True,
+            check=True,
+        ).stdout
+        for _ in range(2)
+    )
+    assert first == second
+    assert first.count(b"\n") == 8
