@@ -69,7 +69,8 @@ test-slow: $(VENV)/installed-dev
 	@$(PYTEST) -m slow --timeout 3600
 
 bench: $(VENV)/installed-peers
-	@for file in benchmarks/[a-z]*.py; do echo "== $$file"; $(BIN)/python $$file || exit 1; done
+	@for name in $$(basename -s .py -a benchmarks/[a-z]*.py); do \
+	  echo "== $$name"; $(BIN)/python -m benchmarks.$$name || exit 1; done
 
 format: $(VENV)/installed-dev
 	@$(BIN)/ruff format .
