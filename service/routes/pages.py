@@ -1,32 +1,84 @@
-"""The dashboard's pages and its static files. The pages hold no data: their scripts ask the API."""
+"""The dashboard's pages and its static files. The pages hold no data: their scripts ask the API.
 
+A static file's address holds the version of all of them, so browsers may keep it for good and a
+new version is another address. A page names every module that its script imports, directly or
+not, so that the browser asks for them all at once and not one import after the other.
+"""
+
+import hashlib
+import re
+from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
 
 from fastapi import APIRouter, FastAPI, Request
-from fastapi.responses import HTMLResponse
+from fastapi.responses import HTMLResponse, Response
 from fastapi.staticfiles import StaticFiles
 from fastapi.templating import Jinja2Templates
+from starlette.types import Scope
 
 WEB = Path(str(files("web")))
+STATIC = WEB / "static"
+IMPORT = re.compile(r'from "\./(\w+\.js)"')
+FOR_GOOD = "public, max-age=31536000, immutable"
 
 router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
 templates = Jinja2Templates(WEB / "templates")
 
 
+class VersionedFiles(StaticFiles):
+    """Static files under `/{version}/`."""
+
+    async def get_response(self, path: str, scope: Scope) -> Response:
+        """Answer a file; for good under the present version, else to be checked each time."""
+        response = await super().get_response(path, scope)
+        is_present = scope["path_params"]["version"] == static_version()
+        response.headers["Cache-Control"] = FOR_GOOD if is_present else "no-cache"
+        return response
+
+
 def add_pages(app: FastAPI) -> None:
     """Serve the pages, and under `/static` what they are made of."""
     app.include_router(router)
-    app.mount("/static", StaticFiles(directory=WEB / "static"), name="static")
+    app.mount("/static/{version}", VersionedFiles(directory=STATIC), name="static")
 
 
 @router.get("/")
 def sweeps_page(request: Request) -> HTMLResponse:
     """Answer the list of sweeps."""
-    return templates.TemplateResponse(request, "sweeps.html", {"page": "sweeps"})
+    return page(request, "sweeps")
 
 
 @router.get("/sweeps/{sweep_id}")
 def sweep_page(request: Request, sweep_id: str) -> HTMLResponse:
     """Answer a sweep's page; that there is no such sweep is for its script to find out."""
-    return templates.TemplateResponse(request, "sweep.html", {"sweep_id": sweep_id})
+    return page(request, "sweep", sweep_id=sweep_id)
+
+
+def page(request: Request, name: str, **values: str) -> HTMLResponse:
+    """Return the page of a template, which starts the script of the same name."""
+    version = static_version()
+    context = {
+        "page": name,
+        "static": f"/static/{version}",
+        "modules": modules(f"{name}.js", version),
+        **values,
+    }
+    return templates.TemplateResponse(request, f"{name}.html", context)
+
+
+def static_version() -> str:
+    """Return a text that changes when a static file does."""
+    found = sorted(STATIC.rglob("*"))
+    stamps = [(str(path), path.stat().st_mtime_ns, path.stat().st_size) for path in found]
+    return hashlib.sha256(repr(stamps).encode()).hexdigest()[:12]
+
+
+@lru_cache(maxsize=64)
+def modules(script: str, version: str) -> tuple[str, ...]:  # noqa: ARG001 - a key of the cache
+    """Return a script and all modules that it imports, the nearest first."""
+    found = [script]
+    for name in found:
+        imported = IMPORT.findall((STATIC / name).read_text(encoding="utf-8"))
+        found += [each for each in dict.fromkeys(imported) if each not in found]
+    return tuple(found)

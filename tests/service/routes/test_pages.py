@@ -7,6 +7,8 @@ import pytest
 from starlette.testclient import TestClient
 
 import hatch_build
+from service.routes import pages
+from service.routes.pages import modules, static_version
 
 ROOT = Path(__file__).parents[3]
 PAGES = ("/", "/sweeps/3f9a0c51b7de")
@@ -56,17 +58,36 @@ def test_a_page_is_all_ours_and_has_nothing_inline(client: TestClient, page: str
         assert client.get(path).status_code == 200, path
 
 
-def test_static_files_need_no_token_and_are_checked_again(stranger: TestClient) -> None:
-    answer = stranger.get("/static/sweep.js")
+def test_static_files_need_no_token_and_are_kept_for_good(stranger: TestClient) -> None:
+    answer = stranger.get(f"/static/{static_version()}/sweep.js")
     assert answer.status_code == 200
-    assert "no-cache" in answer.headers["cache-control"]
-    again = stranger.get("/static/sweep.js", headers={"If-None-Match": answer.headers["etag"]})
-    assert again.status_code == 304
+    assert "immutable" in answer.headers["cache-control"]
+
+
+def test_another_version_s_address_is_not_kept(stranger: TestClient) -> None:
+    assert stranger.get("/static/000000000000/sweep.js").headers["cache-control"] == "no-cache"
+
+
+def test_the_version_changes_with_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pages, "STATIC", tmp_path)
+    versions = {static_version()}
+    for text in ("a", "ab"):
+        (tmp_path / "page.css").write_text(text)
+        versions.add(static_version())
+    assert len(versions) == 3
+
+
+def test_every_imported_module_is_named_once(client: TestClient) -> None:
+    loaded = [path.rpartition("/")[2] for path in References(client.get("/").text).loaded]
+    scripts = [name for name in loaded if name.endswith(".js")]
+    assert sorted(set(scripts)) == sorted({*modules("sweeps.js", ""), "theme.js"})
+    assert {"sweeps.js", "format.js", "events.js"} <= set(scripts)
+    assert "chart.js" not in scripts
 
 
 def test_nothing_outside_the_static_folder_is_served(stranger: TestClient) -> None:
-    for path in ("/static/%2e%2e/templates/base.html", "/static/..%2f__init__.py", "/static/"):
-        assert stranger.get(path).status_code == 404
+    for path in ("%2e%2e/templates/base.html", "..%2f__init__.py", "%2e%2e%2f__init__.py", ""):
+        assert stranger.get(f"/static/0/{path}").status_code == 404
 
 
 def test_an_id_is_text(client: TestClient) -> None:
@@ -74,4 +95,4 @@ def test_an_id_is_text(client: TestClient) -> None:
 
 
 def test_the_charts_licence_is_served_beside_them(stranger: TestClient) -> None:
-    assert "Leon Sorokin" in stranger.get("/static/vendor/uplot.LICENSE.txt").text
+    assert "Leon Sorokin" in stranger.get("/static/0/vendor/uplot.LICENSE.txt").text
