@@ -23,6 +23,7 @@ OWN = {
     "MountainCar": "physics.mountain_car:MountainCar",
     "Acrobot": "physics.acrobot:Acrobot",
     "RollingDie": "physics.rolling_die:RollingDie",
+    "HalfCheetah": "physics.half_cheetah:HalfCheetah",
 }
 
 

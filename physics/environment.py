@@ -229,8 +229,8 @@ class Environment(ABC):
 
     def _checked(self, states: FloatArray, actions: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Both arrays as the kernels were compiled for, or a ValueError."""
-        states = _float64_rows(states, self.state_size, "states")
-        actions = _float64_rows(actions, self.action_size, "actions")
+        states = float64_rows(states, self.state_size, "states")
+        actions = float64_rows(actions, self.action_size, "actions")
         if len(states) != len(actions):
             raise ValueError(
                 f"states and actions must have as many rows, not {len(states)} and {len(actions)}"
@@ -254,7 +254,7 @@ def clip_sides(actions: FloatArray) -> IntArray:
     return (actions > 1.0).astype(np.int64) - (actions < -1.0)
 
 
-def _float64_rows(array: Any, width: int, what: str) -> FloatArray:
+def float64_rows(array: Any, width: int, what: str) -> FloatArray:
     """`array` as float64 [batch, width], contiguous and writeable as the kernels want it.
 
     The first line is the way of nearly every call: a learner makes one for each step.

@@ -1,0 +1,142 @@
+"""Two other robots on the same engine; run uncompiled, as a program, it prints what it found.
+
+A ball (one link, two spheres in one place), and a hopper (a leg of three links), described as data
+and never compiled: compiling the engine for their sizes would take longer than interpreting it.
+"""
+
+import json
+import math
+import sys
+from typing import Any
+
+import numpy as np
+
+from physics.body import Body, load_action, load_state, unload
+from physics.contact_derivative import (
+    Tangent,
+    differentiate_substep,
+    load_tangent,
+    unload_tangent,
+)
+from physics.environment import FloatArray
+from physics.record import dtype
+from physics.residual import residual
+from physics.robot import Capsule, Joint, Link, Robot, build, sizes
+from physics.time_stepping import advance, solve_substep
+
+H = 0.01
+BALL = Robot(
+    links=(Link("ball", None, (0.0, 0.1), (Capsule("ball", (0.0, 0.0), 0.0, 0.0, 0.1),), None),),
+    total_mass=1.0,
+    gravity=9.81,
+    friction=0.3,
+)
+
+
+def _leg(name: str, parent: str, place: tuple[float, float], half: float) -> Link:
+    joint = Joint(-1.0, 1.0, stiffness=20.0, damping=1.0, armature=0.05, gear=40.0)
+    return Link(name, parent, place, (Capsule(name, (0.0, -half), half, 0.0, 0.05),), joint)
+
+
+HOPPER = Robot(
+    links=(
+        Link("torso", None, (0.0, 1.1), (Capsule("torso", (0.0, 0.2), 0.2, 0.0, 0.05),), None),
+        _leg("thigh", "torso", (0.0, 0.0), 0.225),
+        _leg("shin", "thigh", (0.0, -0.45), 0.25),
+        Link(
+            "foot",
+            "shin",
+            (0.0, -0.5),
+            (Capsule("foot", (0.06, -0.1), 0.195, math.pi / 2, 0.06),),
+            Joint(-0.7, 0.7, stiffness=10.0, damping=1.0, armature=0.05, gear=20.0),
+        ),
+    ),
+    total_mass=4.0,
+    gravity=9.81,
+    friction=0.9,
+)
+
+
+class Simulation:
+    """A robot's step of some substeps, on one state at a time."""
+
+    def __init__(self, robot: Robot, substeps: int) -> None:
+        """Build it."""
+        self.mechanism: Any = build(robot)[0]
+        self.bodies = np.zeros(1, dtype(Body, **sizes(robot)))
+        self.tangents = np.zeros(1, dtype(Tangent, **sizes(robot)))
+        self.substeps = substeps
+        self.worst_residual = 0.0
+
+    def step(self, state: FloatArray, action: FloatArray) -> tuple[FloatArray, list[int]]:
+        """The state after, and what was in contact how."""
+        body, signature = self.bodies[0], []
+        load_state(self.mechanism, state[None], 0, body)
+        load_action(self.mechanism, action[None], 0, body)
+        for _ in range(self.substeps):
+            solve_substep(self.mechanism, H, body)
+            self.worst_residual = max(self.worst_residual, residual(self.mechanism, body))
+            count = int(body.problem.count)
+            modes = zip(body.candidate[:count], body.problem.mode[:count], strict=True)
+            signature += [*sorted(10 * int(k) + int(mode) for k, mode in modes if mode), -1]
+            advance(body, H)
+        after = np.empty((1, len(state)))
+        unload(self.mechanism, body, after, 0)
+        return after[0], signature
+
+    def jacobian(self, state: FloatArray, action: FloatArray) -> FloatArray:
+        """d state after / d (state, action)."""
+        body, tangent = self.bodies[0], self.tangents[0]
+        load_state(self.mechanism, state[None], 0, body)
+        load_action(self.mechanism, action[None], 0, body)
+        load_tangent(self.mechanism, action[None], 0, tangent)
+        for _ in range(self.substeps):
+            solve_substep(self.mechanism, H, body)
+            differentiate_substep(self.mechanism, H, body, tangent)
+            advance(body, H)
+        by_state = np.empty((1, len(state), len(state)))
+        by_action = np.empty((1, len(state), len(action)))
+        unload_tangent(self.mechanism, tangent, by_state, by_action, 0)
+        return np.concatenate([by_state[0], by_action[0]], axis=1)
+
+
+def slide(speed: float) -> list[float]:
+    """d vx' / d (vx, vz) of the ball, sliding on the ground at a speed (m/s)."""
+    state = np.array([0.0, 0.0, 0.0, speed, -0.5, 0.0])
+    jacobian = Simulation(BALL, 1).jacobian(state, np.empty(0))
+    return [float(entry) for entry in jacobian[3, 3:5]]
+
+
+def hop(steps: int) -> dict[str, Any]:
+    """Drop the hopper, move its joints, and compare Jacobians along the way."""
+    simulation, random = Simulation(HOPPER, 2), np.random.default_rng(0)
+    state = np.zeros(12)
+    state[:6] = 0.1 * random.normal(size=6)
+    state[2] = 0.3
+    errors, contacts, compared = [], 0, 0
+    for _ in range(steps):
+        action = random.uniform(-1.0, 1.0, 3)
+        after, signature = simulation.step(state, action)
+        exact, x, width = simulation.jacobian(state, action), np.append(state, action), 1e-6
+        near = np.empty_like(exact)
+        signatures = []
+        for i in range(len(x)):
+            ends = [x + side * width * np.eye(len(x))[i] for side in (1.0, -1.0)]
+            (above, one), (below, other) = (simulation.step(e[:12], e[12:]) for e in ends)
+            near[:, i] = (above - below) / (2 * width)
+            signatures += [one, other]
+        if all(each == signature for each in signatures):
+            errors.append(np.abs(near - exact).max() / np.abs(exact).max())
+            contacts += any(mode >= 0 for mode in signature)
+            compared += 1
+        state = after
+    return {
+        "worst": float(max(errors)),
+        "compared": compared,
+        "contacts": contacts,
+        "residual": float(simulation.worst_residual),
+    }
+
+
+if __name__ == "__main__":
+    json.dump({"ahead": slide(2.0), "back": slide(-2.0), "hop": hop(40)}, sys.stdout)
