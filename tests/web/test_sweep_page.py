@@ -70,8 +70,9 @@ def test_curves_grow_by_themselves(opened: Page, live: LiveService) -> None:
 def test_table_has_the_service_s_numbers(opened: Page, live: LiveService, sweep: Sweep) -> None:
     answer = opened.request.get(f"{live.url}/api/v1/sweeps/{sweep.id}/curves").json()
     curve = answer["panels"][1]["curves"][0]
-    cells = table(opened, "Pendulum").locator("tbody tr").last.get_by_role("cell").all_inner_texts()
-    shown = [float(text.replace("−", "-")) for text in cells[:4]]
+    cells = table(opened, "Pendulum").locator("tbody tr").last.get_by_role("cell")
+    expect(cells.first).to_be_visible()
+    shown = [float(text.replace("−", "-")) for text in cells.all_inner_texts()[:4]]
     assert shown == pytest.approx(
         [curve["mean"][-1], curve["low"][-1], curve["high"][-1], curve["n"][-1]], rel=5e-4
     )
@@ -174,6 +175,8 @@ def test_hovering_one_panel_reads_all(opened: Page) -> None:
     assert box is not None
     opened.mouse.move(box["x"] + box["width"] / 3, box["y"] + box["height"] / 2)
     readouts = opened.locator(".readout")
+    expect(readouts.first).to_contain_text("timesteps")
+    expect(readouts.last).to_contain_text("timesteps")
     texts = readouts.all_inner_texts()
     steps = [text.splitlines()[0] for text in texts]
     assert steps[0] == steps[1]
@@ -206,6 +209,7 @@ def test_keyboard_reads_values(opened: Page) -> None:
 
 def test_smoothing_leaves_the_numbers_alone(opened: Page) -> None:
     rows = table(opened, "Pendulum").locator("tbody")
+    expect(rows.get_by_role("cell").first).to_be_visible()
     exact = rows.inner_text()
     opened.get_by_label("Smoothing").fill("0.9")
     expect(caption(opened)).to_contain_text("Bold lines are smoothed for display")
