@@ -7,14 +7,10 @@ Constraint k has a normal row 2k and, if its friction mu is positive, a tangenti
     |pt| <= mu pn, opposing velocity[2k + 1] (maximum dissipation)
 
 W [2m, 2m] is the inverse inertia seen by the rows (Delassus operator), `free` what the velocities
-would be without impulses, position terms included. A constraint is in one of four modes:
+would be without impulses, position terms included.
 
-    OPEN        pn = pt = 0
-    STICK       velocity[2k] = 0 and, with friction, velocity[2k + 1] = 0
-    SLIDE_AHEAD velocity[2k] = 0 and pt = -mu pn, slipping towards +
-    SLIDE_BACK  velocity[2k] = 0 and pt = +mu pn, slipping towards -
-
-The modes are guessed, the linear system they leave is solved, and each constraint that then
+Each constraint is in one of four modes (contact_mode.py), and given all modes the impulses follow
+from linear equations. The modes are guessed, the equations solved, and each constraint that then
 contradicts its mode changes it: one that penetrates sticks; a sticking one that pulls or leaves
 the cone slides; a sliding one that pulls opens, that slips the other way sticks. Where this
 cycles, Lemke's pivoting method (lemke.py) finds the modes.
@@ -25,8 +21,9 @@ Rows may depend on each other (two sticking contacts of one rigid link): elimina
 from typing import Annotated, Protocol
 
 from physics.compiled import compiled
+from physics.contact_mode import OPEN, SLIDE_AHEAD, SLIDE_BACK, STICK
 from physics.elimination import factor, substitute
-from physics.lemke import OPEN, SLIDE_AHEAD, SLIDE_BACK, STICK, lemke_modes
+from physics.lemke import lemke_modes
 from physics.record import Floats, Integers
 
 UNSETTLED = -1

@@ -7,8 +7,8 @@ import numpy as np
 from physics.articulated import place
 from physics.body import Body, load_action, load_state
 from physics.compiled import compiled
+from physics.contact_mode import OPEN
 from physics.ground_contact import measure
-from physics.lemke import OPEN
 from physics.record import Floats, Integers, Records
 from physics.residual import BOUND, residual
 from physics.robot import Mechanism
@@ -31,7 +31,7 @@ class ContactReport(NamedTuple):
     residual: Floats
     """[b, substep], largest error of the substep's equations (residual.py)."""
     mode: Integers
-    """[b, substep, c + l], each constraint's mode (complementarity.py): OPEN, STICK (stops: at
+    """[b, substep, c + l], each constraint's mode (contact_mode.py): OPEN, STICK (stops: at
     work), SLIDE_AHEAD, SLIDE_BACK."""
 
 

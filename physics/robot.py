@@ -149,41 +149,23 @@ def sizes(robot: Robot) -> dict[str, int]:
 
 def build(robot: Robot) -> Records:
     """Derive the mechanism of a robot: a read-only array [1] of its record."""
-    names = [link.name for link in robot.links]
-    parents = [-1 if link.parent is None else names.index(link.parent) for link in robot.links]
-    density = robot.total_mass / sum(c.volume for link in robot.links for c in link.capsules)
-    n = len(names) + 2
-    masses, moment, inertia = np.zeros(n), np.zeros((n, 2)), np.zeros(n)
-    arm = np.array([(0.0, 0.0), (0.0, 0.0), *(link.place for link in robot.links)])
-    for k in reversed(range(len(names))):
-        j = k + 2
-        for capsule in robot.links[k].capsules:
-            mass, centre = density * capsule.volume, np.array(capsule.centre)
-            masses[j] += mass
-            moment[j] += mass * centre
-            inertia[j] += capsule.inertia(mass) + mass * centre @ centre
-        if parents[k] >= 0:
-            p = parents[k] + 2
-            masses[p] += masses[j]
-            moment[p] += masses[j] * arm[j]
-            inertia[p] += masses[j] * arm[j] @ arm[j]
-    joints = [(k + 2, link.joint) for k, link in enumerate(robot.links) if link.joint is not None]
+    moment, inertia = _moments(robot)
+    joints = [(2 + k, link.joint) for k, link in enumerate(robot.links) if link.joint is not None]
     stops = [
         (j, sign, bound)
         for j, joint in joints
         for sign, bound in ((1.0, joint.lower), (-1.0, joint.upper))
     ]
     spheres = [
-        (k + 2, end, capsule.radius)
+        (2 + k, end, capsule.radius)
         for k, link in enumerate(robot.links)
         for capsule in link.capsules
         for end in capsule.ends
     ]
-
     mechanism = np.zeros(1, dtype(Mechanism, **sizes(robot)))
     fields: dict[str, Any] = {
-        "parent": [-1, 0, 1] + [p + 2 for p in parents[1:]],
-        "arm": arm,
+        "parent": [-1, 0, 1] + [2 + parent for parent in _parents(robot)[1:]],
+        "arm": [(0.0, 0.0), (0.0, 0.0), *(link.place for link in robot.links)],
         "moment": moment,
         "inertia": inertia,
         "motor": [j for j, _ in joints],
@@ -204,3 +186,29 @@ def build(robot: Robot) -> Records:
             mechanism[0][name][j] = getattr(joint, name)
     mechanism.setflags(write=False)
     return mechanism
+
+
+def _parents(robot: Robot) -> list[int]:
+    """The index of each link's parent; -1 for the root."""
+    names = [link.name for link in robot.links]
+    return [-1 if link.parent is None else names.index(link.parent) for link in robot.links]
+
+
+def _moments(robot: Robot) -> tuple[Floats, Floats]:
+    """`moment` [n, 2] and `inertia` [n] of the module's docstring, 0 for x and z."""
+    density = robot.total_mass / sum(c.volume for link in robot.links for c in link.capsules)
+    n = len(robot.links) + 2
+    masses, moment, inertia = np.zeros(n), np.zeros((n, 2)), np.zeros(n)
+    for k, parent in reversed(list(enumerate(_parents(robot)))):
+        j, link = 2 + k, robot.links[k]
+        for capsule in link.capsules:
+            mass, centre = density * capsule.volume, np.array(capsule.centre)
+            masses[j] += mass
+            moment[j] += mass * centre
+            inertia[j] += capsule.inertia(mass) + mass * centre @ centre
+        if parent >= 0:
+            place = np.array(link.place)
+            masses[2 + parent] += masses[j]
+            moment[2 + parent] += masses[j] * place
+            inertia[2 + parent] += masses[j] * place @ place
+    return moment, inertia

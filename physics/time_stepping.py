@@ -19,8 +19,8 @@ from physics.articulated import ROOT, bias, place
 from physics.body import Body
 from physics.compiled import compiled
 from physics.complementarity import TOLERANCE, solve
+from physics.contact_mode import STICK
 from physics.ground_contact import approach, fill_rows, measure
-from physics.lemke import STICK
 from physics.robot import Mechanism
 from physics.tree_factor import factor, to_leaves, to_root
 

@@ -7,9 +7,10 @@ import pytest
 
 from physics.body import load_action, load_state
 from physics.complementarity import solve
+from physics.contact_mode import OPEN, SLIDE_AHEAD, SLIDE_BACK, STICK
 from physics.environment import FloatArray
 from physics.half_cheetah import BODY, CHEETAH, DT, HalfCheetah
-from physics.lemke import OPEN, SLIDE_AHEAD, SLIDE_BACK, STICK, lemke_modes
+from physics.lemke import lemke_modes
 from physics.randomness import generator
 from physics.time_stepping import solve_substep
 
