@@ -1,17 +1,20 @@
 """Compiled code: the decorators for numba kernels, and where their machine code is kept.
 
 Numba keeps compiled kernels on disk, but looks at the kernel's own file alone: it would go on using
-an old kernel after a function in another file, which that kernel calls, was changed. So the cache
-lies in a folder named after a hash of every source file that may hold kernels.
+an old kernel after a function in another file, which that kernel calls, was changed. So the kernels
+of a file lie in a folder named after a hash of that file and of all it imports: a change compiles
+again what it may concern, and nothing else.
 """
 
-import hashlib
 import os
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
+
+from physics import source_closure
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -39,10 +42,11 @@ def _jit(function: F, fastmath: bool | set[str]) -> F:
     """Compile `function` with our cache folder, leaving numba's own setting to other packages."""
     config: Any = numba.config
     others = config.CACHE_DIR
-    config.CACHE_DIR = str(_FOLDER)
+    folder = _cache_folder(function.__code__.co_filename)
+    config.CACHE_DIR = str(folder)
     try:
         jit = numba.njit(
-            cache=_CAN_KEEP,
+            cache=_can_keep(folder),
             nogil=True,
             error_model="numpy",
             fastmath=fastmath,
@@ -53,18 +57,15 @@ def _jit(function: F, fastmath: bool | set[str]) -> F:
         config.CACHE_DIR = others
 
 
-def _cache_folder() -> Path:
-    """The folder of the kernels of exactly this source code."""
-    root = Path(__file__).parent.parent
-    digest = hashlib.sha256()
-    for package in ("physics", "algorithms"):
-        for file in sorted((root / package).rglob("*.py")):
-            digest.update(f"{file.relative_to(root)}\0".encode())
-            digest.update(file.read_bytes())
+@cache
+def _cache_folder(file: str) -> Path:
+    """The folder of a file's kernels, for exactly this source code."""
     home = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
-    return Path(home).expanduser() / "d3pg" / f"kernels-{digest.hexdigest()[:16]}"
+    name = f"{Path(file).stem}-{source_closure.digest(Path(file))}"
+    return Path(home).expanduser() / "d3pg" / "kernels" / name
 
 
+@cache
 def _can_keep(folder: Path) -> bool:
     """Whether kernels can be written there; where they cannot, each process compiles its own."""
     try:
@@ -72,7 +73,3 @@ def _can_keep(folder: Path) -> bool:
     except OSError:
         return False
     return os.access(folder, os.W_OK)
-
-
-_FOLDER = _cache_folder()
-_CAN_KEEP = _can_keep(_FOLDER)
