@@ -1,5 +1,6 @@
-"""The source closure of a module: its own file and every file of the project it imports, near or
-far; and one hash of their contents, which changes whenever the module's behaviour may.
+"""The source closure of a module: its own file and every file of the project it imports.
+
+One hash of their contents changes whenever the module's behaviour may.
 """
 
 import ast
