@@ -22,6 +22,7 @@ from service.routes import (
     measurements,
     pages,
     runs,
+    scores,
     signin,
     sweeps,
 )
@@ -31,7 +32,7 @@ from service.settings import Settings
 from service.store.store import Store
 
 PREFIX = "/api/v1"
-RESOURCES = (sweeps, runs, measurements, curves, events, catalogue)
+RESOURCES = (sweeps, runs, measurements, curves, scores, events, catalogue)
 
 
 def create_app(settings: Settings, store: Store, dispatcher: Dispatcher) -> FastAPI:

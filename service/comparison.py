@@ -27,6 +27,10 @@ BAND_TEXT: Mapping[Band, str] = {
     "ci95": "a 95 % confidence interval of the mean (Student's t)",
     "iqr": "the interquartile range (25 % to 75 %)",
 }
+NORMALISED_TEXT = (
+    "Normalised: 0 is the mean return of uniform random actions, "
+    "1 is the task's largest reward at every step."
+)
 METRIC_TEXT = {
     "return_mean": "return_mean (undiscounted return of one evaluation episode)",
     "return_history": "return_history (mean of the latest 100 return_mean)",
@@ -94,12 +98,12 @@ def compare(
     """
     labels = label_cells({run.spec.cell: run.spec for run in run_curves})
     panels = []
-    for environment, runs in _grouped(run_curves, lambda run: run.spec.environment).items():
+    for environment, runs in grouped(run_curves, lambda run: run.spec.environment).items():
         zero = random_returns.get((environment, runs[0].environment_version))
-        start, unit = _scale(zero, best_return, environment) if view.normalized else (0.0, 1.0)
+        start, unit = scale(zero, best_return(environment)) if view.normalized else (0.0, 1.0)
         curves = [
             _curve(cell_runs, labels[cell], view, start, unit)
-            for cell, cell_runs in _grouped(runs, lambda run: run.spec.cell).items()
+            for cell, cell_runs in grouped(runs, lambda run: run.spec.cell).items()
         ]
         panels.append(Panel(environment, zero, tuple(curves)))
     is_interpolated = any(c.curve.is_interpolated for panel in panels for c in panel.curves)
@@ -116,10 +120,7 @@ def definition(comparisons: Sequence[Comparison]) -> str:
     named = " and of ".join(METRIC_TEXT.get(metric, metric) for metric in metrics)
     sentences = [f"Mean and {BAND_TEXT[view.band]} over the n runs (seeds) of {named}."]
     if view.normalized:
-        sentences.append(
-            "Normalised: 0 is the mean return of uniform random actions, "
-            "1 is the task's largest reward at every step."
-        )
+        sentences.append(NORMALISED_TEXT)
     elif view.metric in RETURNS:
         sentences.append("Raw returns.")
     sentences.append("n counts the runs with a finite value there; no smoothing.")
@@ -139,7 +140,7 @@ def label_cells(specs: Mapping[Cell, RunSpec]) -> dict[Cell, str]:
     """
     settings = {cell: _settings(spec) for cell, spec in specs.items()}
     telling: dict[str, set[str]] = {}
-    for cells in _grouped(specs, lambda cell: (cell.algorithm, cell.environment)).values():
+    for cells in grouped(specs, lambda cell: (cell.algorithm, cell.environment)).values():
         for name in {name for cell in cells for name in settings[cell]}:
             if len({settings[cell].get(name) for cell in cells}) > 1:
                 telling.setdefault(cells[0].algorithm, set()).add(name)
@@ -166,13 +167,11 @@ def _weights_first(name: str) -> tuple[bool, str]:
     return name not in {"w1", "w2"}, name
 
 
-def _scale(
-    zero: RandomReturn | None, best_return: Callable[[str], float], environment: str
-) -> tuple[float, float]:
-    """Return where the normalised scale starts and how long its unit is."""
+def scale(zero: RandomReturn | None, best_return: float) -> tuple[float, float]:
+    """Return where the normalised scale starts and how long its unit is; NaN without a start."""
     if zero is None:
         return np.nan, np.nan
-    return zero.mean, best_return(environment) - zero.mean
+    return zero.mean, best_return - zero.mean
 
 
 def _curve(
@@ -188,7 +187,7 @@ def _curve(
     return LabelledCurve(runs[0].spec, label, curve, seeds)
 
 
-def _grouped(items: Iterable[Item], key: Callable[[Item], Key]) -> dict[Key, list[Item]]:
+def grouped(items: Iterable[Item], key: Callable[[Item], Key]) -> dict[Key, list[Item]]:
     """Group items, groups in the order of their first member."""
     groups: dict[Key, list[Item]] = {}
     for item in items:

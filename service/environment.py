@@ -47,3 +47,8 @@ class EnvironmentFacts:
 def environment_facts(name: str) -> EnvironmentFacts:
     """Return the facts of an environment. Raises ValueError for an unknown name."""
     return EnvironmentFacts.of(physics.make(name))
+
+
+def best_return(name: str) -> float:
+    """Return the one of an environment's normalised scale. Raises ValueError as above."""
+    return environment_facts(name).best_return

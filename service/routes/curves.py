@@ -7,7 +7,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from service.comparison import METRIC_TEXT, RETURNS, Abscissa, Comparison, View, compare
 from service.curves import Band
-from service.environment import environment_facts
+from service.environment import best_return
 from service.plot import Form, draw
 from service.problems import Fault, InvalidRequest
 from service.routes.context import TheStore, TheSweep
@@ -102,11 +102,7 @@ def _compared(
         x=query.x,
         max_points=min(query.max_points, max(2, MAX_TOTAL_POINTS // lines)),
     )
-    return compare(runs, view, store.random_returns(), _best_return)
-
-
-def _best_return(environment: str) -> float:
-    return environment_facts(environment).best_return
+    return compare(runs, view, store.random_returns(), best_return)
 
 
 def _figure(store: Store, sweep: Sweep, query: BandQuery, form: Form) -> bytes:

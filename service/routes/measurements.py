@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Query, Request, Response
 
 from service.routes.context import TheRun, TheStore
+from service.routes.negotiation import asked_form
 from service.schemas.measurements_answer import (
     MeasurementsAnswer,
     measurements_csv,
@@ -15,6 +16,7 @@ from service.schemas.measurements_answer import (
 router = APIRouter(tags=["runs"])
 
 Format = Literal["json", "csv"]
+MEDIA_TYPES: dict[Format, str] = {"json": "application/json", "csv": "text/csv"}
 
 
 @router.get(
@@ -32,7 +34,7 @@ def get_measurements(
 ) -> Response:
     """Answer every measurement of a run, as JSON columns or as CSV."""
     columns = table(store.measurements(run.id))
-    if (format or _accepted(request)) == "json":
+    if asked_form(request, format, MEDIA_TYPES) == "json":
         return Response(measurements_json(run.id, columns), media_type="application/json")
     disposition = f'attachment; filename="{run.id}.csv"'
     return Response(
@@ -40,8 +42,3 @@ def get_measurements(
         media_type="text/csv",
         headers={"Content-Disposition": disposition},
     )
-
-
-def _accepted(request: Request) -> Format:
-    accepted = request.headers.get("accept", "")
-    return "csv" if "text/csv" in accepted and "application/json" not in accepted else "json"
