@@ -8,8 +8,9 @@ import pytest
 from sqlalchemy.exc import OperationalError
 
 from service.claim import Claim, ClaimedRun
-from service.dispatch import Dispatcher, DispatchTimes
+from service.dispatch import Dispatcher
 from service.run import Run, RunStatus
+from service.scheduler import DispatchTimes
 from service.store.retry import RetryPolicy
 from service.store.store import Store
 from service.sweep import RunCounts, Sweep
@@ -81,6 +82,13 @@ def problem_of(dispatcher: Dispatcher) -> str:
 
 def work(dispatcher: Dispatcher, rounds: int) -> None:
     for _ in range(rounds):
+        dispatcher.work_round()
+
+
+def wait(dispatcher: Dispatcher, clock: Clock, seconds: int) -> None:
+    """Let time pass for a dispatcher that listens all the while."""
+    for _ in range(seconds):
+        clock.now += 1.0
         dispatcher.work_round()
 
 
@@ -173,16 +181,25 @@ def test_a_silent_worker_is_given_up(
     work(dispatcher, 3)
     frozen = next(iter(pool.workers.values()))
     frozen.is_frozen = True
-    clock.now += 10.0
-    work(dispatcher, 1)
+    wait(dispatcher, clock, 15)
     assert frozen.name in pool.workers
-    clock.now += 10.0
-    work(dispatcher, 1)
+    wait(dispatcher, clock, 1)
     assert frozen.name not in pool.workers  # its process was ended
     work_until(dispatcher, lambda: counts(store, sweep).active == 0)
     assert_whole(store, sweep)
     lost = [run for run in store.list_runs(sweep.id) if run.attempt == 2]
-    assert store.attempts(lost[0].id)[0].error == "its worker was silent for 20 s"
+    assert store.attempts(lost[0].id)[0].error == "its worker was silent for 16 s"
+
+
+def test_a_service_that_was_frozen_blames_no_worker(
+    dispatcher: Dispatcher, store: Store, clock: Clock
+) -> None:
+    sweep = submit(store, 4)
+    work(dispatcher, 3)
+    clock.now += 3600.0
+    work_until(dispatcher, lambda: counts(store, sweep).active == 0)
+    assert_whole(store, sweep)
+    assert all(run.attempt == 1 for run in store.list_runs(sweep.id))
 
 
 def test_diverged_runs_end_and_their_neighbours_go_on(
@@ -252,12 +269,17 @@ def test_none_starts_after_its_sweep_was_cancelled(
     assert not any(worker.specs for worker in pool.workers.values())
 
 
-def test_what_a_killed_server_left_is_claimed_again(dispatcher: Dispatcher, store: Store) -> None:
+def test_what_a_killed_server_left_is_claimed_again(
+    dispatcher: Dispatcher, store: Store, clock: Clock
+) -> None:
     sweep = submit(store, 2)
     forgotten = store.claim_cohort("worker of a server that was killed", -1.0)
     assert isinstance(forgotten, Claim)
     early = Progress(CYCLE, measurements=(measurement_of(0, CYCLE), measurement_of(1, CYCLE)))
     store.record(Claim("w", -1.0, forgotten.runs), early)
+    wait(dispatcher, clock, 14)  # the worker may yet be heard of
+    assert [run.attempt for run in store.list_runs(sweep.id)] == [1, 1]
+    wait(dispatcher, clock, 2)
     work_until(dispatcher, lambda: counts(store, sweep).active == 0)
     assert_whole(store, sweep)
     assert [run.attempt for run in store.list_runs(sweep.id)] == [2, 2]

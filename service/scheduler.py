@@ -1,0 +1,292 @@
+"""The queue's decisions, as a pure state machine.
+
+    step: (state, event, now) -> (state, commands)
+
+Events are what the pool reports, what the store answers, and ticks; commands are writes and
+questions to the store, and orders to the pool (`service/scheduler_messages.py`). There is no
+thread, no clock and no store in here: `service/dispatch.py` carries the commands out.
+
+The answer to a command is the next event. A command to the store may be carried out again where its
+answer was lost: every write is fenced by the attempts of its claim, so a second one changes
+nothing, and a claim that nobody heard of ends with its lease. What is kept here can be lost at any
+time for the same reason.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+from service.claim import Claim
+from service.scheduler_messages import (
+    AskCancelling,
+    AskWaiting,
+    Cancelling,
+    ClaimCohort,
+    Claimed,
+    Command,
+    Drop,
+    Event,
+    Fail,
+    Kill,
+    Lose,
+    LoseExpired,
+    PoolLost,
+    Record,
+    Recorded,
+    Release,
+    StartPool,
+    Tick,
+    Train,
+    Version,
+    Waiting,
+)
+from workers.progress import Progress
+from workers.report import Ended, Failed, Lost, News, Ready
+from workers.run_spec import COHORT_LIMIT
+
+
+@dataclass(frozen=True)
+class DispatchTimes:
+    """All in seconds.
+
+    lease    a worker that is not heard of for so long has lost its runs
+    grace    a worker that was told to drop a run has so long to do so before it is killed
+    round    longest wait for reports; how late a cancelling or a new sweep is seen
+    expiry   between two looks for expired leases
+    restart  before a pool that failed is started again, doubled each time up to `longest_restart`
+    """
+
+    lease: float = 15.0
+    grace: float = 5.0
+    round: float = 0.1
+    expiry: float = 1.0
+    restart: float = 1.0
+    longest_restart: float = 30.0
+
+
+@dataclass(frozen=True)
+class Cohort:
+    """What a worker is training.
+
+    heard_at  when it was last heard of
+    measures  the task whose random return it was asked to measure
+    dropped   since when each run that it was told to drop has been so
+    """
+
+    claim: Claim
+    heard_at: float
+    measures: Version | None = None
+    dropped: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class State:
+    """All that is known between two events.
+
+    idle             workers without work, in the order they became so
+    cohorts          what each of the others trains
+    random_returns   environments whose random return the store knew at the last look
+    pool_is_up       the pool was started and has not been lost
+    problem          why no run can start now, a sentence; empty while they can
+    lost_since       time of day at which the pool was lost; empty while it is there
+    restart_at       when a lost pool is started again
+    restart_wait     how long after the next loss
+    ticked_at        the last tick; None before the first
+    expiry_at        when expired leases are looked for
+    """
+
+    idle: tuple[str, ...] = ()
+    cohorts: Mapping[str, Cohort] = field(default_factory=dict)
+    random_returns: frozenset[Version] = frozenset()
+    pool_is_up: bool = False
+    problem: str = "the cluster is starting"
+    lost_since: str = ""
+    restart_at: float = -math.inf
+    restart_wait: float = 0.0
+    ticked_at: float | None = None
+    expiry_at: float = -math.inf
+
+
+Step = tuple[State, list[Command]]
+
+
+def step(  # noqa: PLR0911  (one an event)
+    state: State, event: Event, now: float, times: DispatchTimes
+) -> Step:
+    """Take one event into account, and say what is to be done."""
+    match event:
+        case Tick():
+            return _tick(state, now, times)
+        case Ready(worker):
+            return _free(replace(state, problem="", lost_since="", restart_wait=0.0), worker)
+        case News(worker) if worker in state.cohorts:
+            cohort = replace(state.cohorts[worker], heard_at=now)
+            return _with(state, worker, cohort), [Record(cohort.claim, event)]
+        case Recorded(news) if news.worker in state.cohorts:
+            return _recorded(state, event)
+        case Ended(worker) if worker in state.cohorts:
+            claim = state.cohorts[worker].claim
+            freed, _ = _free(state, worker)
+            return freed, [Lose(claim, "its worker ended before it did")] if claim.runs else []
+        case Failed(worker, error, log_tail) if worker in state.cohorts:
+            freed, _ = _free(state, worker)
+            return freed, [Fail(state.cohorts[worker].claim, error, log_tail)]
+        case Lost(worker, reason, log_tail):
+            return _lost(state, worker, reason, log_tail)
+        case PoolLost():
+            return _pool_lost(state, event, now, times)
+        case Cancelling(runs):
+            return _cancel(state, runs, now, times)
+        case Waiting():
+            return _waiting(state, event, times)
+        case Claimed(worker, claim):
+            return _claimed(state, worker, claim, now)
+        case _:  # of a worker that was given up
+            return state, []
+
+
+def _tick(state: State, now: float, times: DispatchTimes) -> Step:
+    """Do what is due: start the pool, give up the silent, look for what changed in the store."""
+    commands: list[Command] = []
+    if not state.pool_is_up and now >= state.restart_at:
+        state = replace(state, pool_is_up=True)
+        commands.append(StartPool())
+    state = _forgive_the_unheard(state, now, times)
+    for worker, cohort in state.cohorts.items():
+        if (silent := now - cohort.heard_at) > times.lease:
+            state = _without(state, worker)
+            reason = f"its worker was silent for {silent:.0f} s"
+            commands += [Kill(worker), Lose(cohort.claim, reason)]
+    if state.cohorts:
+        commands.append(AskCancelling())
+    if now >= state.expiry_at:
+        state = replace(state, expiry_at=now + times.expiry)
+        commands.append(LoseExpired())
+    if state.idle:
+        commands.append(AskWaiting())
+    return replace(state, ticked_at=now), commands
+
+
+def _forgive_the_unheard(state: State, now: float, times: DispatchTimes) -> State:
+    """Time in which nobody listened is no worker's silence, and no lease could be renewed in it.
+
+    So it was before the first tick, and while this process was frozen.
+    """
+    deaf = math.inf if state.ticked_at is None else now - state.ticked_at
+    if deaf <= times.lease / 3:
+        return state
+    cohorts = {
+        worker: replace(cohort, heard_at=max(cohort.heard_at, now))
+        for worker, cohort in state.cohorts.items()
+    }
+    return replace(state, cohorts=cohorts, expiry_at=now + times.lease)
+
+
+# ---- what the pool says
+
+
+def _recorded(state: State, recorded: Recorded) -> Step:
+    """Runs that are no longer ours are to be trained no further."""
+    worker, progress = recorded.news.worker, recorded.news.progress
+    cohort = state.cohorts[worker]
+    taken_away = frozenset(
+        run.spec.seed for run in cohort.claim.runs if run.run_id not in recorded.held
+    ) - _gone(progress)
+    kept = replace(cohort, claim=cohort.claim.only(recorded.held))
+    return _with(state, worker, kept), [Drop(worker, taken_away)] if taken_away else []
+
+
+def _gone(progress: Progress) -> frozenset[int]:
+    """Return the seeds that a worker has stopped training by itself."""
+    diverged = (divergence.seed for divergence in progress.diverged)
+    return frozenset({*progress.finished, *progress.dropped, *diverged})
+
+
+def _lost(state: State, worker: str, reason: str, log_tail: str) -> Step:
+    cohort = state.cohorts.get(worker)
+    without = _without(state, worker)
+    return without, [] if cohort is None else [Lose(cohort.claim, reason, log_tail)]
+
+
+def _pool_lost(state: State, lost: PoolLost, now: float, times: DispatchTimes) -> Step:
+    """Every worker is lost with its pool, which is started again after a pause."""
+    reason = "its worker was lost with the cluster"
+    commands: list[Command] = [Lose(cohort.claim, reason) for cohort in state.cohorts.values()]
+    since = state.lost_since or lost.noticed
+    wait = state.restart_wait or times.restart
+    gone = replace(
+        state,
+        idle=(),
+        cohorts={},
+        pool_is_up=False,
+        problem=f"the cluster is unreachable since {since}: {lost.reason}",
+        lost_since=since,
+        restart_at=now + wait,
+        restart_wait=min(2 * wait, times.longest_restart),
+    )
+    return gone, commands
+
+
+# ---- what the store says
+
+
+def _cancel(state: State, runs: frozenset[str], now: float, times: DispatchTimes) -> Step:
+    """Have cancelled runs dropped; end the workers that did not do so within the grace."""
+    commands: list[Command] = []
+    for worker, cohort in state.cohorts.items():
+        asked = {run.run_id: run.spec.seed for run in cohort.claim.runs if run.run_id in runs}
+        if any(now - cohort.dropped.get(run, now) > times.grace for run in asked):
+            state = _without(state, worker)
+            reason = "its worker was ended to cancel a neighbour"
+            commands += [Kill(worker), Release(cohort.claim, reason)]
+        elif fresh := asked.keys() - cohort.dropped.keys():
+            dropped = {**cohort.dropped, **dict.fromkeys(fresh, now)}
+            state = _with(state, worker, replace(cohort, dropped=dropped))
+            commands.append(Drop(worker, frozenset(asked[run] for run in fresh)))
+    return state, commands
+
+
+def _waiting(state: State, waiting: Waiting, times: DispatchTimes) -> Step:
+    """Claim an even share of what waits for the worker that has been idle longest."""
+    state = replace(state, random_returns=waiting.random_returns)
+    if not state.idle or not waiting.runs:
+        return state, []
+    share = min(math.ceil(waiting.runs / len(state.idle)), COHORT_LIMIT)
+    return state, [ClaimCohort(state.idle[0], times.lease, share)]
+
+
+def _claimed(state: State, worker: str, claim: Claim | None, now: float) -> Step:
+    """Have the claim trained, and see whether there is work for the next one."""
+    if claim is None:
+        return state, []
+    if worker not in state.idle:
+        return state, [Release(claim, "its worker was lost before it began")]
+    first = claim.runs[0]
+    version = (first.spec.environment, first.environment_version)
+    in_measurement = {cohort.measures for cohort in state.cohorts.values()}
+    is_known = version in state.random_returns or version in in_measurement
+    state = _with(state, worker, Cohort(claim, now, None if is_known else version))
+    train = Train(worker, claim.specs, measure_random_return=not is_known)
+    return state, [train, AskWaiting()] if state.idle else [train]
+
+
+# ---- changes of state
+
+
+def _with(state: State, worker: str, cohort: Cohort) -> State:
+    """Return the state with the worker training that."""
+    idle = tuple(name for name in state.idle if name != worker)
+    return replace(state, idle=idle, cohorts={**state.cohorts, worker: cohort})
+
+
+def _without(state: State, worker: str) -> State:
+    """Return the state without the worker."""
+    idle = tuple(name for name in state.idle if name != worker)
+    cohorts = {name: cohort for name, cohort in state.cohorts.items() if name != worker}
+    return replace(state, idle=idle, cohorts=cohorts)
+
+
+def _free(state: State, worker: str) -> Step:
+    """Return the state with the worker idle, behind the others."""
+    state = _without(state, worker)
+    return replace(state, idle=(*state.idle, worker)), []
