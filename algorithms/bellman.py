@@ -12,22 +12,12 @@ terminal factor c that it leaves out.
 from typing import Any
 
 from algorithms import actor, network
+from algorithms.critic import join
 from algorithms.layer import Array
 from algorithms.network import Parameters, Pass
 from algorithms.replay import Batch
 from algorithms.scaling import Scaling
 from physics.compiled import compiled_fast
-
-
-@compiled_fast
-def join(x: Array, actions: Array, result: Array) -> None:
-    """Put features and actions side by side [B, F + m], as a critic takes them."""
-    features = x.shape[1]
-    for row in range(x.shape[0]):
-        for i in range(features):
-            result[row, i] = x[row, i]
-        for i in range(actions.shape[1]):
-            result[row, features + i] = actions[row, i]
 
 
 @compiled_fast

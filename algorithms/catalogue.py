@@ -63,6 +63,14 @@ OWN = {
         uses_weights=True,
         needs_reward_gradient=False,
     ),
+    "hybrid-ddpg-cosine": Algorithm(
+        name="hybrid-ddpg-cosine",
+        summary="DDPG whose critic also fits the direction of the simulator's gradients",
+        builder="algorithms.ddpg:build_cosine",
+        config="algorithms.ddpg_config:DDPGConfig",
+        uses_weights=True,
+        needs_reward_gradient=False,
+    ),
 }
 
 

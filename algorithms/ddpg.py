@@ -32,6 +32,7 @@ from algorithms import network
 from algorithms.ddpg_config import DDPGConfig
 from algorithms.ddpg_update import Rates, Report, empty_report, update
 from algorithms.diagnostics import UpdateMeans, agreement, gradient_pair
+from algorithms.losses import Matching, is_matched, matching_of
 from algorithms.network import Shape
 from algorithms.off_policy import OffPolicyLearner
 from algorithms.optimizer import learned
@@ -53,7 +54,7 @@ class DDPGAgent:
         environment: Environment,
         coordinates: Coordinates,
         seed: int,
-        weights: tuple[float, float],
+        matching: Matching,
         timesteps: int,
         config: DDPGConfig,
     ) -> None:
@@ -63,7 +64,7 @@ class DDPGAgent:
             environment: the task.
             coordinates: of its features.
             seed: of the run.
-            weights: w1 of the action gradient, w2 of the state gradient.
+            matching: of the critic's gradients.
             timesteps: of the whole run, which bounds its replay.
             config: the settings.
         """
@@ -73,15 +74,14 @@ class DDPGAgent:
         self._environment = environment
         self._coordinates = coordinates
         self._config = config
-        self._matched = weights[0] > 0 or weights[1] > 0
+        self._matching = matching
+        self._matched = is_matched(matching)
         self._rates = Rates(
             np.float32(config.gamma),
             np.float32(config.tau),
             config.actor_rate,
             config.critic_rate,
             np.float32(config.critic_decay),
-            np.float32(weights[0]),
-            np.float32(weights[1]),
         )
         self._shapes = shapes_of(environment, config)
         actor, critic = self._shapes
@@ -128,7 +128,8 @@ class DDPGAgent:
         report = empty_report(count)
         done = update(
             self._actor, self._critic, self.updates, self._replay.memory, indices,
-            self._coordinates, self._statistics.scaling(), self._rates, self._shapes, report,
+            self._coordinates, self._statistics.scaling(), self._rates, self._matching,
+            self._shapes, report,
         )  # fmt: skip
         self.updates += done
         if done < count:
@@ -201,14 +202,36 @@ def build(
     timesteps: int,
     config: DDPGConfig,
 ) -> OffPolicyLearner:
-    """A cohort of DDPG runs; with weights other than 0, of its hybrid."""
+    """A cohort of DDPG runs; with weights other than 0, of its hybrid (L2)."""
+    return cohort(environment, seeds, matching_of(weights, by_cosine=False), timesteps, config)
+
+
+def build_cosine(
+    environment: Environment,
+    seeds: Sequence[int],
+    weights: tuple[float, float],
+    timesteps: int,
+    config: DDPGConfig,
+) -> OffPolicyLearner:
+    """A cohort of runs of DDPG's hybrid that matches the gradients' directions."""
+    return cohort(environment, seeds, matching_of(weights, by_cosine=True), timesteps, config)
+
+
+def cohort(
+    environment: Environment,
+    seeds: Sequence[int],
+    matching: Matching,
+    timesteps: int,
+    config: DDPGConfig,
+) -> OffPolicyLearner:
+    """A cohort of runs whose critics match gradients as given."""
     coordinates = coordinates_of(environment)
     agents = [
-        DDPGAgent(environment, coordinates, seed, weights, timesteps, config) for seed in seeds
+        DDPGAgent(environment, coordinates, seed, matching, timesteps, config) for seed in seeds
     ]
     rollout = Rollout(
         environment, coordinates, seeds,
-        linearized=weights != (0, 0),
+        linearized=is_matched(matching),
         time_limit_is_terminal=config.time_limit_is_terminal,
     )  # fmt: skip
     return OffPolicyLearner(

@@ -14,9 +14,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from algorithms import actor, bellman, losses, network, optimizer, replay
+from algorithms import actor, bellman, critic, losses, network, optimizer, replay
+from algorithms.critic import CriticWork
 from algorithms.layer import Array
-from algorithms.network import Direction, Parameters, Pass, Shape
+from algorithms.losses import Matching
+from algorithms.network import Parameters, Pass, Shape
 from algorithms.optimizer import Learned
 from algorithms.replay import Batch, Memory
 from algorithms.scaling import Coordinates, Scaling
@@ -31,8 +33,6 @@ class Rates(NamedTuple):
     actor_rate: float
     critic_rate: float
     critic_decay: np.float32
-    w1: np.float32
-    w2: np.float32
 
 
 class Work(NamedTuple):
@@ -40,22 +40,11 @@ class Work(NamedTuple):
 
     batch: Batch
     actor: Pass
-    critic: Pass
-    moved: Direction
     actions: Array
     """[B, m]"""
-    value: Array
-    """[B], the critic's target"""
-    target: Array
-    """[B, C + m], the target of the critic's gradient"""
-    gradient: Array
-    """[B, C + m], the critic's gradient"""
-    direction: Array
-    """[B, C + m]"""
     actor_gradient: Array
     """[P]"""
-    critic_gradient: Array
-    """[P]"""
+    fit: CriticWork
 
 
 class Report(NamedTuple):
@@ -85,20 +74,13 @@ def new_work(
 ) -> Work:
     """Arrays for updates of `rows` transitions each."""
     actor_shape, critic_shape = shapes
-    kind = learned_actor.theta.dtype
     columns = memory.reward_gradients.shape[1]
     return Work(
         replay.new_batch(memory, rows),
         network.new_pass(learned_actor.theta, rows, actor_shape),
-        network.new_pass(learned_critic.theta, rows, critic_shape),
-        network.new_direction(learned_critic.theta, rows, critic_shape),
-        np.empty((rows, actor_shape.outputs), kind),
-        np.empty(rows, kind),
-        np.empty((rows, columns), kind),
-        np.empty((rows, columns), kind),
-        np.empty((rows, columns), kind),
+        np.empty((rows, actor_shape.outputs), learned_actor.theta.dtype),
         np.empty_like(learned_actor.theta),
-        np.empty_like(learned_critic.theta),
+        critic.new_critic_work(learned_critic.theta, rows, critic_shape, columns),
     )
 
 
@@ -112,6 +94,7 @@ def update(
     coordinates: Coordinates,
     scaling: Scaling,
     rates: Rates,
+    matching: Matching,
     shapes: tuple[Shape, Shape],
     report: Report,
 ) -> int:
@@ -127,29 +110,30 @@ def update(
     pi_target = network.parameters(learned_actor.target, actor_shape)
     q_target = network.parameters(learned_critic.target, critic_shape)
     pi_gradient = network.parameters(work.actor_gradient, actor_shape)
-    q_gradient = network.parameters(work.critic_gradient, critic_shape)
-    matched = rates.w1 > 0 or rates.w2 > 0
-    decayed = (critic_shape.inputs + critic_shape.hidden) * critic_shape.hidden
+    q_gradient = network.parameters(work.fit.theta_gradient, critic_shape)
+    fit, decayed = work.fit, network.decayed_size(critic_shape)
     for u in range(indices.shape[0]):
         replay.draw(memory, indices[u], scaling, work.batch)
         bellman.target_value(
             pi_target, q_target, work.batch, rates.gamma, scaling,
-            work.actor, work.critic, work.actions, work.value,
+            work.actor, fit.critic, work.actions, fit.value,
         )  # fmt: skip
-        if matched:
+        if losses.is_matched(matching):
             replay.draw_derivatives(memory, indices[u], coordinates, scaling, work.batch)
             bellman.target_gradient(
                 pi_target, q_target, work.batch, rates.gamma,
-                work.actor, work.critic, work.actions, work.target,
+                work.actor, fit.critic, work.actions, fit.target,
             )  # fmt: skip
-            matched_critic_gradient(q, work, coordinates, rates, q_gradient, report, u)
+            report.critic_loss[u], report.gradient_loss[u] = critic.matched_fit(
+                q, work.batch, coordinates, matching, fit, q_gradient
+            )
         else:
-            critic_gradient(q, work, q_gradient, report, u)
+            report.critic_loss[u] = critic.value_fit(q, work.batch, fit, q_gradient)
         describe(work, scaling, report, u)
         actor_gradient(pi, q, work, pi_gradient)
-        optimizer.decay(learned_critic.theta, decayed, rates.critic_decay, work.critic_gradient)
+        optimizer.decay(learned_critic.theta, decayed, rates.critic_decay, fit.theta_gradient)
         step = optimizer.corrected(rates.critic_rate, done + u + 1)
-        critic_norm, critic_size = optimizer.adam(learned_critic, work.critic_gradient, step)
+        critic_norm, critic_size = optimizer.adam(learned_critic, fit.theta_gradient, step)
         step = optimizer.corrected(rates.actor_rate, done + u + 1)
         actor_norm, actor_size = optimizer.adam(learned_actor, work.actor_gradient, step)
         optimizer.follow(learned_critic, rates.tau)
@@ -162,62 +146,19 @@ def update(
 
 
 @compiled_fast
-def critic_gradient(q: Parameters, work: Work, result: Parameters, report: Report, u: int) -> None:
-    """The gradient of the value loss alone."""
-    bellman.join(work.batch.x, work.batch.actions, work.critic.x)
-    network.forward(q, work.critic)
-    report.critic_loss[u] = losses.value_loss(work.critic.out, work.value, work.critic.out_bar)
-    network.backward(q, work.critic)
-    network.gradient(work.critic, result)
-
-
-@compiled_fast
-def matched_critic_gradient(
-    q: Parameters,
-    work: Work,
-    coordinates: Coordinates,
-    rates: Rates,
-    result: Parameters,
-    report: Report,
-    u: int,
-) -> None:
-    """The gradient of the value loss and of the gradient loss."""
-    critic, moved = work.critic, work.moved
-    own_gradient(q, work, coordinates)
-    report.critic_loss[u] = losses.value_loss(critic.out, work.value, moved.out_til)
-    seen = coordinates.seen.size
-    report.gradient_loss[u] = losses.squared_gradient_loss(
-        work.gradient, work.target, seen, rates.w1, rates.w2, work.direction
-    )
-    losses.input_direction(work.batch, coordinates, work.direction, moved.x)
-    network.tangent(q, critic, moved)
-    network.second_backward(q, critic, moved, result)
-
-
-@compiled_fast
-def own_gradient(q: Parameters, work: Work, coordinates: Coordinates) -> None:
-    """The critic's value, and its gradient with respect to z, at the batch."""
-    bellman.join(work.batch.x, work.batch.actions, work.critic.x)
-    network.forward(q, work.critic)
-    work.critic.out_bar[:] = 1
-    network.backward_to_input(q, work.critic)
-    losses.critic_gradient(work.batch, coordinates, work.critic.x_bar, work.gradient)
-
-
-@compiled_fast
 def actor_gradient(pi: Parameters, q: Parameters, work: Work, result: Parameters) -> None:
     """The gradient of `-1/B sum Q(s, pi(s))`."""
     rows = work.batch.x.shape[0]
-    real = work.value.dtype.type
+    real = work.fit.value.dtype.type
     for row in range(rows):
         for i in range(work.batch.x.shape[1]):
             work.actor.x[row, i] = work.batch.x[row, i]
     actor.choose(pi, work.actor, work.actions)
-    bellman.join(work.batch.x, work.actions, work.critic.x)
-    network.forward(q, work.critic)
-    work.critic.out_bar[:] = -real(1) / real(rows)
-    network.backward_to_input(q, work.critic)
-    actor.pull_back(work.actions, work.critic.x_bar, work.batch.x.shape[1], work.actor)
+    critic.join(work.batch.x, work.actions, work.fit.critic.x)
+    network.forward(q, work.fit.critic)
+    work.fit.critic.out_bar[:] = -real(1) / real(rows)
+    network.backward_to_input(q, work.fit.critic)
+    actor.pull_back(work.actions, work.fit.critic.x_bar, work.batch.x.shape[1], work.actor)
     network.backward(pi, work.actor)
     network.gradient(work.actor, result)
 
@@ -225,12 +166,12 @@ def actor_gradient(pi: Parameters, q: Parameters, work: Work, result: Parameters
 @compiled_fast
 def describe(work: Work, scaling: Scaling, report: Report, u: int) -> None:
     """Note the mean Q, and the moments of the targets."""
-    rows = work.value.size
+    rows = work.fit.value.size
     q_sum, target_sum, square_sum = 0.0, 0.0, 0.0
     for row in range(rows):
-        q_sum += work.critic.out[row, 0]
-        target_sum += work.value[row]
-        square_sum += work.value[row] * work.value[row]
+        q_sum += work.fit.critic.out[row, 0]
+        target_sum += work.fit.value[row]
+        square_sum += work.fit.value[row] * work.fit.value[row]
     report.q_mean[u] = scaling.value_mean + scaling.value_std * q_sum / rows
     report.target_mean[u] = target_sum / rows
     report.target_square[u] = square_sum / rows

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from algorithms import bellman, network, replay
-from algorithms.ddpg_update import Report, new_work, own_gradient
+from algorithms.critic import own_gradient
+from algorithms.ddpg_update import Report, new_work
 from algorithms.network import Shape
 from algorithms.optimizer import Learned
 from algorithms.replay import Memory
@@ -89,16 +90,19 @@ def gradient_pair(
     actor_shape, critic_shape = shapes
     indices = np.arange(memory.rewards.size)
     work = new_work(memory, learned_actor, learned_critic, indices.size, shapes)
+    fit = work.fit
     replay.draw(memory, indices, scaling, work.batch)
     replay.draw_derivatives(memory, indices, coordinates, scaling, work.batch)
     pi_target = network.parameters(learned_actor.target, actor_shape)
     q_target = network.parameters(learned_critic.target, critic_shape)
     bellman.target_value(
         pi_target, q_target, work.batch, gamma, scaling,
-        work.actor, work.critic, work.actions, work.value,
+        work.actor, fit.critic, work.actions, fit.value,
     )  # fmt: skip
     bellman.target_gradient(
-        pi_target, q_target, work.batch, gamma, work.actor, work.critic, work.actions, work.target
+        pi_target, q_target, work.batch, gamma, work.actor, fit.critic, work.actions, fit.target
     )
-    own_gradient(network.parameters(learned_critic.theta, critic_shape), work, coordinates)
-    return work.gradient, work.target
+    own_gradient(
+        network.parameters(learned_critic.theta, critic_shape), work.batch, coordinates, fit
+    )
+    return fit.gradient, fit.target

@@ -2,12 +2,20 @@
 
     value:      1/B sum (Q - Qhat)^2
     gradient:   1/B sum w1 |dQ/da - dQhat/da|^2 + w2 |dQ/ds - dQhat/ds|^2        (L2, Algorithm 1)
+                1/B sum w1 (1 - cos(dQ/da, dQhat/da)) + w2 (1 - cos(dQ/ds, dQhat/ds))   (equation 3)
 
 everything in normalised units. A gradient loss hands back `v = dL / d(dQ/dz)`; the gradient of L
 with respect to the parameters is then that of `v . dQ/dz`, v held (algorithms.network).
+
+The cosine of two short vectors fades to 0, and its derivative stays below 1 / EPSILON:
+
+    cos(g, t) = g . t / (|g|' |t|'),    |x|' = sqrt(|x|^2 + EPSILON^2)
+
+so that a gradient which vanishes, as all do on Acrobot at first, teaches nothing. The paper's
+equation 3 has no EPSILON.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,7 +24,30 @@ from algorithms.replay import Batch
 from algorithms.scaling import Coordinates
 from physics.compiled import compiled_fast
 
-TWO = np.float32(2)
+ONE, TWO = np.float32(1), np.float32(2)
+EPSILON = np.float32(1e-3)
+
+
+class Matching(NamedTuple):
+    """How gradients are matched."""
+
+    w1: np.float32
+    """Weight of the action gradient."""
+    w2: np.float32
+    """Weight of the state gradient."""
+    by_cosine: bool
+    """Whether by the angle between them (equation 3), not by their L2 distance (Algorithm 1)."""
+
+
+def matching_of(weights: tuple[float, float], *, by_cosine: bool) -> Matching:
+    """Matching with the weights (w1, w2)."""
+    return Matching(np.float32(weights[0]), np.float32(weights[1]), by_cosine)
+
+
+@compiled_fast
+def is_matched(matching: Matching) -> Any:
+    """Whether there is a gradient loss at all."""
+    return matching.w1 > 0 or matching.w2 > 0
 
 
 @compiled_fast
@@ -48,20 +79,55 @@ def critic_gradient(batch: Batch, coordinates: Coordinates, x_bar: Array, result
 
 
 @compiled_fast
-def squared_gradient_loss(
-    gradient: Array, target: Array, seen: int, w1: Any, w2: Any, direction: Array
+def gradient_loss(
+    gradient: Array, target: Array, seen: int, matching: Matching, direction: Array
 ) -> Any:
-    """The L2 gradient loss of `gradient [B, C + m]`; its derivative goes to `direction`."""
-    rows, columns = gradient.shape
+    """The gradient loss of `gradient [B, C + m]`; its derivative goes to `direction`."""
+    if matching.by_cosine:
+        actions = cosine_loss(gradient, target, seen, gradient.shape[1], matching.w1, direction)
+        return actions + cosine_loss(gradient, target, 0, seen, matching.w2, direction)
+    actions = squared_loss(gradient, target, seen, gradient.shape[1], matching.w1, direction)
+    return actions + squared_loss(gradient, target, 0, seen, matching.w2, direction)
+
+
+@compiled_fast
+def squared_loss(
+    gradient: Array, target: Array, first: int, end: int, weight: Any, direction: Array
+) -> Any:
+    """The L2 loss of columns `first` to `end`."""
+    rows = gradient.shape[0]
     real = gradient.dtype.type
-    share = real(1) / real(rows)
+    share = weight / real(rows)
     loss = real(0)
     for row in range(rows):
-        for j in range(columns):
-            weight = w2 if j < seen else w1
+        for j in range(first, end):
             residual = gradient[row, j] - target[row, j]
-            loss += weight * residual * residual
-            direction[row, j] = TWO * share * weight * residual
+            loss += residual * residual
+            direction[row, j] = TWO * share * residual
+    return loss * share
+
+
+@compiled_fast
+def cosine_loss(
+    gradient: Array, target: Array, first: int, end: int, weight: Any, direction: Array
+) -> Any:
+    """The cosine loss of columns `first` to `end`: `dcos/dg = (t / |t|' - cos g / |g|') / |g|'`."""
+    rows = gradient.shape[0]
+    real = gradient.dtype.type
+    share = weight / real(rows)
+    loss = real(0)
+    for row in range(rows):
+        product, own, aim = real(0), EPSILON * EPSILON, EPSILON * EPSILON
+        for j in range(first, end):
+            product += gradient[row, j] * target[row, j]
+            own += gradient[row, j] * gradient[row, j]
+            aim += target[row, j] * target[row, j]
+        own, aim = ONE / np.sqrt(own), ONE / np.sqrt(aim)
+        cosine = product * own * aim
+        loss += ONE - cosine
+        for j in range(first, end):
+            along = target[row, j] * aim - cosine * gradient[row, j] * own
+            direction[row, j] = -share * own * along
     return loss * share
 
 

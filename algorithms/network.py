@@ -23,7 +23,7 @@ gradient of any loss L(out, xbar) (double backward, as forward over reverse: Pea
 Glossary: `B` rows, `I` inputs, `H` hidden units, `O` outputs.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,14 +90,15 @@ class Direction(NamedTuple):
     """[max(I, H), H], scratch"""
 
 
-def decayed_size(shape: Shape) -> int:
+@compiled_fast
+def decayed_size(shape: Shape) -> Any:
     """How many parameters, from the first, are hidden products."""
     return (shape.inputs + shape.hidden) * shape.hidden
 
 
 def noisy_size(shape: Shape) -> int:
     """How many parameters, from the first, are not layer normalisation's."""
-    return decayed_size(shape) + shape.hidden * (shape.outputs + 2) + shape.outputs
+    return int(decayed_size(shape)) + shape.hidden * (shape.outputs + 2) + shape.outputs
 
 
 def parameter_size(shape: Shape) -> int:

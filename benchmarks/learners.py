@@ -21,6 +21,7 @@ from stable_baselines3.common.logger import configure
 
 from algorithms import catalogue
 from algorithms.ddpg import DDPGAgent
+from algorithms.losses import matching_of
 from algorithms.replay import Memory
 from algorithms.rollout import Experience
 from algorithms.scaling import coordinates_of
@@ -59,7 +60,8 @@ def our_agent(seed: int, weights: tuple[float, float]) -> DDPGAgent:
     """A run with a replay full of random transitions and, for a hybrid, derivatives."""
     task = Sizes()
     config = catalogue.find("ddpg").config_class()()
-    agent = DDPGAgent(task, coordinates_of(task), seed, weights, STORED, config)
+    matching = matching_of(weights, by_cosine=False)
+    agent = DDPGAgent(task, coordinates_of(task), seed, matching, STORED, config)
     random = generator(seed, "benchmark")
     columns = STATE + ACTION if any(weights) else 0
     rows = STORED if any(weights) else 0

@@ -4,6 +4,7 @@ The torch side knows nothing of passes and adjoints: it differentiates the losse
 them, twice where the hybrid needs it.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from torch import Tensor
 import physics
 from algorithms import network
 from algorithms.ddpg_update import Rates, empty_report, update
+from algorithms.losses import matching_of
 from algorithms.network import Shape
 from algorithms.optimizer import Learned, learned
 from algorithms.replay import Memory
@@ -25,6 +27,7 @@ from physics.randomness import generator
 STORED, ROWS, GAMMA, TAU, DECAY = 200, 32, 0.97, 0.05, 1e-2
 ACTOR_RATE, CRITIC_RATE = 1e-4, 1e-3
 
+Distance = Callable[[Tensor, Tensor], Tensor]
 Setting = tuple[Memory, Coordinates, Scaling, Learned, Learned, tuple[Shape, Shape]]
 
 
@@ -82,8 +85,18 @@ def gradient_of(value: Tensor, *inputs: Tensor) -> tuple[Tensor, ...]:
     return torch.autograd.grad(value.sum(), inputs, create_graph=True)
 
 
+def squared(own: Tensor, target: Tensor) -> Tensor:
+    return ((own - target) ** 2).sum(1)
+
+
+def angular(own: Tensor, target: Tensor) -> Tensor:
+    """Equation 3, both vectors made longer by one more entry, which the product leaves out."""
+    own_norm, target_norm = (((each**2).sum(1) + 1e-6).sqrt() for each in (own, target))
+    return 1 - (own * target).sum(1) / (own_norm * target_norm)
+
+
 def losses(
-    where: Setting, rows: NDArray[np.int64], w1: float, w2: float
+    where: Setting, rows: NDArray[np.int64], w1: float, w2: float, distance: Distance
 ) -> tuple[Tensor, Plain, Tensor, Plain]:
     """The critic's loss with weight decay, and the actor's, with the networks they belong to."""
     memory, c, scaling, learned_actor, learned_critic, shapes = where
@@ -116,9 +129,11 @@ def losses(
     by_s = torch.zeros(len(rows), len(c.seen), dtype=torch.float64)
     by_s = by_s.index_add(1, torch.tensor(c.source), by_f * slopes.detach())
     own_gradient = torch.cat([by_s, by_a], 1) * unit
-    squares = (own_gradient - target_gradient) ** 2
     seen = len(c.seen)
-    matched = w1 * squares[:, seen:].sum(1) + w2 * squares[:, :seen].sum(1)
+    (own_s, own_a), (target_s, target_a) = (
+        (each[:, :seen], each[:, seen:]) for each in (own_gradient, target_gradient)
+    )
+    matched = w1 * distance(own_a, target_a) + w2 * distance(own_s, target_s)
     decayed = q.theta[: network.decayed_size(shapes[1])]
     critic_loss = ((value - target) ** 2 + matched).mean() + DECAY / 2 * (decayed**2).sum()
 
@@ -128,23 +143,33 @@ def losses(
 
 
 @pytest.mark.parametrize("name", ["Pendulum", "CartPole", "RollingDie"])
-@pytest.mark.parametrize("weights", [(0.0, 0.0), (0.7, 0.0), (0.0, 0.3), (0.7, 0.3)])
-def test_update_is_the_equations(name: str, weights: tuple[float, float]) -> None:
+@pytest.mark.parametrize(
+    ("weights", "distance"),
+    [
+        ((0.0, 0.0), squared),
+        ((0.7, 0.0), squared),
+        ((0.0, 0.3), squared),
+        ((0.7, 0.3), squared),
+        ((0.7, 0.0), angular),
+        ((0.7, 0.3), angular),
+    ],
+)
+def test_update_is_the_equations(
+    name: str, weights: tuple[float, float], distance: Distance
+) -> None:
     where = setting(name)
     memory, coordinates, scaling, actor, critic, shapes = where
     rows = generator(5, "rows").integers(STORED, size=ROWS)
-    critic_loss, q, actor_loss, pi = losses(where, rows, *weights)
+    critic_loss, q, actor_loss, pi = losses(where, rows, *weights, distance)
     (q_gradient,) = torch.autograd.grad(critic_loss, q.theta)
     (pi_gradient,) = torch.autograd.grad(actor_loss, pi.theta)
     before = [part.copy() for part in (actor.theta, actor.target, critic.theta, critic.target)]
 
-    rates = Rates(
-        np.float32(GAMMA), np.float32(TAU), ACTOR_RATE, CRITIC_RATE, np.float32(DECAY),
-        np.float32(weights[0]), np.float32(weights[1]),
-    )  # fmt: skip
+    rates = Rates(np.float32(GAMMA), np.float32(TAU), ACTOR_RATE, CRITIC_RATE, np.float32(DECAY))
     done = update(
-        actor, critic, 0, memory, rows[None], coordinates, scaling, rates, shapes, empty_report(1)
-    )
+        actor, critic, 0, memory, rows[None], coordinates, scaling, rates,
+        matching_of(weights, by_cosine=distance is angular), shapes, empty_report(1),
+    )  # fmt: skip
 
     assert done == 1
     for net, gradient, rate, old, old_target in (

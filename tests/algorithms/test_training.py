@@ -11,7 +11,7 @@ import algorithms
 
 Curve = list[tuple[int, float, float]]
 TIMESTEPS = 1_600
-WEIGHTS = {"ddpg": (0.0, 0.0), "hybrid-ddpg": (0.1, 0.01)}
+WEIGHTS = {"ddpg": (0.0, 0.0), "hybrid-ddpg": (0.1, 0.01), "hybrid-ddpg-cosine": (0.1, 0.01)}
 
 
 def curves(
@@ -19,7 +19,7 @@ def curves(
 ) -> dict[int, Curve]:
     found: dict[int, Curve] = {seed: [] for seed in seeds}
     pair = WEIGHTS[name] if weights is None else weights
-    for m in algorithms.train(name, "Pendulum", seeds, pair, TIMESTEPS):
+    for m in algorithms.train(name, "Pendulum", seeds, pair, TIMESTEPS, {}):
         found[m.seed].append((m.timestep, m.return_mean, m.return_history))
     return found
 
@@ -31,14 +31,15 @@ def test_alone_and_in_a_cohort_of_16_the_same_bits(name: str) -> None:
     assert cohort[5] != cohort[6]
 
 
-def test_hybrid_without_weights_is_ddpg() -> None:
-    assert curves("hybrid-ddpg", [0, 1], (0.0, 0.0)) == curves("ddpg", [0, 1])
-    assert curves("hybrid-ddpg", [0, 1]) != curves("ddpg", [0, 1])
+@pytest.mark.parametrize("hybrid", ["hybrid-ddpg", "hybrid-ddpg-cosine"])
+def test_hybrid_without_weights_is_ddpg(hybrid: str) -> None:
+    assert curves(hybrid, [0, 1], (0.0, 0.0)) == curves("ddpg", [0, 1])
+    assert curves(hybrid, [0, 1]) != curves("ddpg", [0, 1])
 
 
 def test_dropped_neighbours_change_nothing() -> None:
     whole = curves("hybrid-ddpg", [0, 1, 2])
-    learner = algorithms.build("hybrid-ddpg", "Pendulum", [0, 1, 2], (0.1, 0.01), TIMESTEPS)
+    learner = algorithms.build("hybrid-ddpg", "Pendulum", [0, 1, 2], (0.1, 0.01), TIMESTEPS, {})
     found: Curve = []
     while not learner.finished:
         events = learner.advance()
