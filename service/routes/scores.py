@@ -1,21 +1,28 @@
-"""What the runs of a sweep have reached: the paper's table 1, in several forms."""
+"""What the runs of a sweep have reached: the paper's table 1, and the statistics behind it."""
 
+from collections.abc import Sequence
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Query, Request, Response
 from pydantic import BaseModel, ConfigDict, Field
 
+from service.comparison import grouped
 from service.environment import best_return
+from service.paired_difference import paired_differences
+from service.problems import Fault, InvalidRequest
 from service.routes.context import TheStore, TheSweep
 from service.routes.negotiation import asked_form
 from service.schemas.score_table_answer import ScoreTableAnswer, score_table_csv
+from service.schemas.statistics_answer import StatisticsAnswer
 from service.score_table import ScoreTable, score_table
 from service.score_table_text import latex, markdown
-from service.scores import latest_scores
+from service.scores import CellScores, latest_scores
 from service.sweep import Sweep
+from service.sweep_statistics import sweep_statistics
 
 router = APIRouter(prefix="/sweeps/{sweep_id}", tags=["curves"])
 
+MAX_COMPARED = 4_000_000
 TableForm = Literal["json", "csv", "markdown", "latex"]
 MEDIA_TYPES: dict[TableForm, str] = {
     "json": "application/json",
@@ -54,6 +61,34 @@ def get_table(
     if form == "csv":
         headers["Content-Disposition"] = f'attachment; filename="{sweep.id}-table.csv"'
     return Response(_written(form, sweep, table), media_type=MEDIA_TYPES[form], headers=headers)
+
+
+@router.get("/statistics")
+def get_statistics(sweep: TheSweep, store: TheStore) -> StatisticsAnswer:
+    """Answer what the sweep says of its algorithms over all tasks, with intervals."""
+    zeros = store.random_returns()
+    cells = latest_scores(
+        store.curve_points(sweep.id, "return_history"), zeros, best_return, normalized=True
+    )
+    _refuse_too_many(cells)
+    runs = store.curve_points(sweep.id, "return_mean")
+    differences = paired_differences(runs, zeros, best_return)
+    return StatisticsAnswer.of(sweep.id, sweep_statistics(cells), differences)
+
+
+def _refuse_too_many(cells: Sequence[CellScores]) -> None:
+    """Raise InvalidRequest where comparing all curves would take minutes."""
+    curves = len({cell.label for cell in cells})
+    compared = curves**2 * sum(
+        max(len(cell.seeds) for cell in own) ** 2
+        for own in grouped(cells, lambda cell: cell.spec.environment).values()
+    )
+    if compared > MAX_COMPARED:
+        message = (
+            f"its {curves} curves have {compared} pairs of runs to compare in all tasks; "
+            f"statistics are limited to {MAX_COMPARED}: submit what is to be compared by itself"
+        )
+        raise InvalidRequest([Fault("sweep", message, MAX_COMPARED)])
 
 
 def _written(form: TableForm, sweep: Sweep, table: ScoreTable) -> str:

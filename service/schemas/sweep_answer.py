@@ -110,7 +110,7 @@ class SweepAnswer(BaseModel):
     def of(cls, sweep: Sweep) -> Self:
         """Show a sweep."""
         link = f"/api/v1/sweeps/{sweep.id}"
-        parts = ("runs", "curves", "table", "events", "cancel")
+        parts = ("runs", "curves", "table", "statistics", "events", "cancel")
         return cls(
             id=sweep.id,
             name=sweep.name,

@@ -152,3 +152,63 @@ def test_a_wrong_question_is_refused(
 
 def test_of_no_sweep(client: TestClient) -> None:
     assert client.get("/api/v1/sweeps/0123456789ab/table").status_code == 404
+
+
+def test_statistics(reader: TestClient, trained: str) -> None:
+    answer = json.loads(reader.get(f"{trained}/statistics").text, parse_constant=pytest.fail)
+    assert answer["tasks"] == ["MassPoint", "Pendulum"]
+    assert answer["lacking"] == answer["unscored"] == []
+    for label, iqm in zip(
+        ("ddpg", "hybrid-ddpg"), answer["interquartile_mean"]["values"], strict=True
+    ):
+        assert (iqm["label"], iqm["n"]) == (label, 6)
+        assert iqm["low"] <= iqm["value"] <= iqm["high"]
+    (pair,) = answer["probability_of_improvement"]["pairs"]
+    assert (pair["x"], pair["y"]) == ("ddpg", "hybrid-ddpg")
+    assert pair["same_seeds"] == {"value": 0.0, "low": 0.0, "high": 0.0}
+    profiles = answer["performance_profiles"]
+    assert all(len(each["share"]) == len(profiles["thresholds"]) for each in profiles["profiles"])
+    differences = answer["paired_differences"]["values"]
+    assert [(each["environment"], each["n"], each["wins"]) for each in differences] == [
+        ("MassPoint", 3, 3),
+        ("Pendulum", 3, 3),
+    ]
+    unit = 0.0 - RANDOM
+    assert differences[1]["mean"] == pytest.approx(50 * (len("hybrid-ddpg") - len("ddpg")) / unit)
+    assert all(
+        "95 %" in answer[part]["definition"]
+        for part in (
+            "interquartile_mean",
+            "probability_of_improvement",
+            "performance_profiles",
+            "paired_differences",
+        )
+    )
+
+
+def test_the_same_data_give_the_same_statistics(reader: TestClient, trained: str) -> None:
+    first = reader.get(f"{trained}/statistics").content
+    assert reader.get(f"{trained}/statistics").content == first
+
+
+def test_statistics_of_nothing_and_of_one_seed(client: TestClient, store: Store) -> None:
+    link = client.post("/api/v1/sweeps", json=changed(seeds=1)).json()["links"]["statistics"]
+    empty = client.get(link).json()
+    assert (empty["tasks"], empty["unscored"]) == ([], ["ddpg", "hybrid-ddpg"])
+    for environment in ("MassPoint", "Pendulum"):
+        store.record_random_return(random_return(environment, RANDOM))
+    train(store, 2, value)
+    answer = json.loads(client.get(link).text, parse_constant=pytest.fail)
+    iqm = answer["interquartile_mean"]["values"][0]
+    assert iqm["n"] == 2
+    assert iqm["low"] is iqm["high"] is None
+    difference = answer["paired_differences"]["values"][0]
+    assert (difference["n"], difference["low"]) == (1, None)
+
+
+def test_statistics_of_too_much_are_refused(client: TestClient) -> None:
+    link = client.post("/api/v1/sweeps", json=changed(seeds=900)).json()["links"]["statistics"]
+    response = client.get(link)
+    assert response.status_code == 422
+    (error,) = response.json()["errors"]
+    assert (error["field"], error["limit"]) == ("sweep", 4_000_000)
