@@ -1,15 +1,20 @@
-"""Learners: seed-updates a second on one core, beside stable-baselines3's DDPG in the same run.
+"""Learners: seed-updates a second on one core, beside stable-baselines3 and JAX in the same run.
 
 Networks 64-64, batch 64, state 14, action 4. An update is one Adam step of the critic, one of the
 actor and both targets; ours are timed a cycle of 50 at a time, with all that a cycle does to learn
 (drawing batches, adapting the noise, moving the value scale); stable-baselines3's as its `train`
-does them. No environment steps are counted on either side. The best of several rounds counts: other
-programs can only slow one down.
+does them; JAX's as benchmarks/peers/jax_ddpg.py says. No environment steps are counted on any side.
+The whole process is bound to one core. All take turns, round after round, and of each the best
+round counts: other programs can only slow one down.
+
+Also: the rate of batched 64 x 64 products of float32 (the work of a hidden layer), and the share of
+it that our updates reach, counting their matrix products alone.
 
     python -m benchmarks.learners [--seconds 1]
 """
 
 import argparse
+import os
 import time
 from collections.abc import Callable
 
@@ -26,11 +31,13 @@ from algorithms.replay import Memory
 from algorithms.rollout import Experience
 from algorithms.scaling import coordinates_of
 from algorithms.threads import one_thread
+from benchmarks.peers import jax_ddpg
 from physics.drawing import Drawing
 from physics.environment import Environment, FloatArray
 from physics.randomness import generator
 
-STATE, ACTION, STORED, CYCLE = 14, 4, 10_000, 50
+STATE, ACTION, HIDDEN, BATCH = 14, 4, 64, 64
+STORED, CYCLE = 10_000, 50
 ROUNDS = 5
 WEIGHTS = {"ddpg": (0.0, 0.0), "hybrid-ddpg": (0.1, 0.1)}
 
@@ -122,20 +129,56 @@ def peer_cycle() -> Learn:
     return lambda: model.train(gradient_steps=CYCLE, batch_size=64)
 
 
-def best_rate(learn: Learn, updates: int, seconds: float) -> float:
-    """Seed-updates a second of the best round, each of about `seconds`."""
-    learn()
-    start, calls = time.perf_counter(), 0
-    while time.perf_counter() - start < seconds:
+def product_cycle() -> Learn:
+    """As many 64 x 64 products of float32 as one call of numpy does in a stack of 16."""
+    left, right = generator(0, "benchmark").standard_normal((2, 16, 64, 64)).astype(np.float32)
+    result = np.empty_like(left)
+
+    def multiply() -> None:
+        for _ in range(CYCLE):
+            np.matmul(left, right, out=result)
+
+    return multiply
+
+
+def product_flops(weights: tuple[float, float]) -> float:
+    """Floating point operations in the matrix products of one update.
+
+    A pass forward through a network is one product a layer, `2 B I H`, a pass back to its inputs
+    another, and the gradient of its parameters a third; a second-order pass takes each twice.
+    """
+    actor, critic = (
+        2 * BATCH * HIDDEN * (inputs + HIDDEN + outputs)
+        for inputs, outputs in ((STATE, ACTION), (STATE + ACTION, 1))
+    )
+    target, of_critic, of_actor = actor + critic, 3 * critic, 3 * actor + 2 * critic
+    if any(weights):
+        target += actor + critic
+        of_critic += 4 * critic
+    return target + of_critic + of_actor
+
+
+def best_seconds(learns: dict[str, Learn], seconds: float) -> dict[str, float]:
+    """Seconds a call of each takes in its best round, each round about `seconds` long."""
+    calls = {}
+    for name, learn in learns.items():
         learn()
-        calls += 1
-    durations = []
-    for _ in range(ROUNDS):
-        start = time.perf_counter()
-        for _ in range(calls):
+        start, calls[name] = time.perf_counter(), 0
+        while time.perf_counter() - start < seconds:
             learn()
-        durations.append(time.perf_counter() - start)
-    return updates * calls / min(durations)
+            calls[name] += 1
+    best = dict.fromkeys(learns, np.inf)
+    for _ in range(ROUNDS):
+        for name, learn in learns.items():
+            start = time.perf_counter()
+            for _ in range(calls[name]):
+                learn()
+            best[name] = min(best[name], (time.perf_counter() - start) / calls[name])
+    return best
+
+
+def plural(seeds: int) -> str:
+    return f"{seeds} seed{'s' * (seeds > 1)}"
 
 
 def main() -> None:
@@ -143,14 +186,32 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=1.0, help="of a round")
     seconds = parser.parse_args().seconds
     torch.set_num_threads(1)
-    peer = best_rate(peer_cycle(), CYCLE, seconds)
-    print(f"stable-baselines3 ddpg, 1 seed: {peer:.0f} seed-updates/s")
-    for name in WEIGHTS:
+    learns = {"stable-baselines3 ddpg": peer_cycle(), "products": product_cycle()}
+    for name, weights in WEIGHTS.items():
         for seeds in (1, 16):
-            rate = best_rate(our_cycle(name, seeds), CYCLE * seeds, seconds)
-            print(f"{name}, {seeds} seed{'s' * (seeds > 1)}: {rate:.0f} seed-updates/s")
-            print(f"{name}, {seeds} seed{'s' * (seeds > 1)}, to the peer: {rate / peer:.2f} times")
+            learns[f"{name}, {plural(seeds)}"] = our_cycle(name, seeds)
+            learns[f"JAX {name}, {plural(seeds)}"] = jax_ddpg.cycle(
+                seeds, CYCLE, STATE, ACTION, STORED, weights
+            )
+    with one_thread():
+        took = best_seconds(learns, seconds)
+    product_rate = CYCLE * 16 * 2 * 64**3 / took["products"]
+    peer = CYCLE / took["stable-baselines3 ddpg"]
+    print(f"batched products of 64 x 64: {product_rate / 1e9:.1f} GFLOP/s")
+    print(f"stable-baselines3 ddpg, 1 seed: {peer:.0f} seed-updates/s")
+    for name, weights in WEIGHTS.items():
+        for seeds in (1, 16):
+            whose = f"{name}, {plural(seeds)}"
+            rate = CYCLE * seeds / took[whose]
+            theirs = CYCLE * seeds / took[f"JAX {whose}"]
+            share = rate * product_flops(weights) / product_rate
+            print(f"JAX {whose}: {theirs:.0f} seed-updates/s")
+            print(f"{whose}: {rate:.0f} seed-updates/s")
+            print(f"{whose}, to JAX: {rate / theirs:.2f} times")
+            print(f"{whose}, to stable-baselines3 ddpg: {rate / peer:.2f} times")
+            print(f"{whose}, of the products' rate: {100 * share:.0f} %")
 
 
 if __name__ == "__main__":
+    os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})  # before JAX makes its threads
     main()

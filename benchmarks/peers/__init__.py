@@ -1,0 +1,1 @@
+"""Implementations that ours are measured beside."""
