@@ -123,7 +123,7 @@ class Client:
         return self._json("GET", f"/api/v1/sweeps/{sweep_id}/curves", params=options)
 
     def plot(
-        self, sweep_id: str, form: Literal["png", "svg"] = "png", **options: str | bool
+        self, sweep_id: str, form: Literal["png", "svg", "pdf"] = "png", **options: str | bool
     ) -> bytes:
         """The comparison figure as a file's bytes."""
         return self._call("GET", f"/api/v1/sweeps/{sweep_id}/plot.{form}", params=options).content

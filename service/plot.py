@@ -23,8 +23,14 @@ from matplotlib.ticker import EngFormatter
 from service.comparison import Comparison, LabelledCurve, Panel, definition
 from service.palette import colour
 
-Form = Literal["png", "svg"]
+Form = Literal["png", "svg", "pdf"]
 Style = Mapping[str, Any]
+
+MEDIA_TYPES: Mapping[Form, str] = {
+    "png": "image/png",
+    "svg": "image/svg+xml",
+    "pdf": "application/pdf",
+}
 
 COLUMN_INCHES = 2.8
 MIN_WIDTH_INCHES = 6.4
@@ -35,7 +41,12 @@ LEGEND_ROW_INCHES = 0.18
 CAPTION_CHARACTERS_PER_INCH = 19
 MAX_CHARACTERS = 120
 DASHES = ("solid", (0, (5, 2)), (0, (1, 1.5)), (0, (5, 2, 1, 2)))
-METADATA: Mapping[Form, Mapping[str, None]] = {"png": {"Software": None}, "svg": {"Date": None}}
+# No time and no version of the program that drew: the same data are the same bytes.
+METADATA: Mapping[Form, Mapping[str, None]] = {
+    "png": {"Software": None},
+    "svg": {"Date": None},
+    "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
+}
 INVISIBLE = frozenset({"Cc", "Cf", "Cs", "Cn", "Co"})  # Unicode categories
 
 # matplotlib keeps its settings and caches for the process: nobody's matplotlibrc may change the

@@ -97,13 +97,13 @@ def cancel(
 @app.command()
 def plot(
     sweep_id: SweepId,
-    output: Annotated[Path, typer.Option("--output", "-o", help="A .png or .svg file.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="A .png, .svg or .pdf file.")],
     raw: Annotated[bool, typer.Option("--raw", help="Raw returns, not normalised.")] = False,
 ) -> None:
     """Save the comparison figure of a sweep."""
     form = output.suffix.removeprefix(".")
-    if form not in ("png", "svg"):
-        raise typer.BadParameter(f"{output} must end in .png or .svg", param_hint="--output")
+    if form not in ("png", "svg", "pdf"):
+        raise typer.BadParameter(f"{output} must end in .png, .svg or .pdf", param_hint="--output")
     with Client() as client:
         output.write_bytes(client.plot(sweep_id, form, normalized=not raw))  # type: ignore[arg-type]
     console.print(f"Wrote {output}")

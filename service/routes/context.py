@@ -42,20 +42,20 @@ TheDispatcher = Annotated[Dispatcher, Depends(_dispatcher)]
 
 
 def _sweep(sweep_id: str, store: TheStore) -> Sweep:
-    sweep = store.find_sweep(sweep_id) if _may_be_id(sweep_id) else None
+    sweep = store.find_sweep(sweep_id) if may_be_id(sweep_id) else None
     if sweep is None:
         raise NotFound(f"There is no sweep {printable(sweep_id)!r}.")
     return sweep
 
 
 def _run(run_id: str, store: TheStore) -> Run:
-    run = store.find_run(run_id) if _may_be_id(run_id) else None
+    run = store.find_run(run_id) if may_be_id(run_id) else None
     if run is None:
         raise NotFound(f"There is no run {printable(run_id)!r}.")
     return run
 
 
-def _may_be_id(text: str) -> bool:
+def may_be_id(text: str) -> bool:
     """Whether it is worth asking the database, which may choke on what no id holds."""
     return len(text) <= MAX_ID and text.isascii() and text.isprintable()
 

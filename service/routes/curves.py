@@ -8,16 +8,17 @@ from pydantic import BaseModel, ConfigDict, Field
 from service.comparison import METRIC_TEXT, RETURNS, Abscissa, Comparison, View, compare
 from service.curves import Band
 from service.environment import best_return
-from service.plot import Form, draw
+from service.plot import MEDIA_TYPES, Form, draw
 from service.problems import Fault, InvalidRequest
 from service.routes.context import TheStore, TheSweep
+from service.routes.revalidation import RevalidatedRoute
 from service.schemas.curves_answer import CurvesAnswer, curves_json
 from service.schemas.sweep_request import Text
 from service.store.store import Store
 from service.submission.nearest import unknown_name
 from service.sweep import Sweep
 
-router = APIRouter(prefix="/sweeps/{sweep_id}", tags=["curves"])
+router = APIRouter(prefix="/sweeps/{sweep_id}", tags=["curves"], route_class=RevalidatedRoute)
 
 DEFAULT_POINTS = 300
 MAX_POINTS = 10_000
@@ -70,18 +71,16 @@ def get_metrics(sweep: TheSweep, store: TheStore) -> list[str]:
     return [*METRIC_TEXT, *store.diagnostic_names(sweep.id)]
 
 
-@router.get("/plot.png", response_class=Response, responses={200: {"content": {"image/png": {}}}})
-def get_png(sweep: TheSweep, query: Annotated[BandQuery, Query()], store: TheStore) -> Response:
-    """Draw the paper's figure 4 for this sweep: return_mean above return_history."""
-    return Response(_figure(store, sweep, query, "png"), media_type="image/png")
-
-
 @router.get(
-    "/plot.svg", response_class=Response, responses={200: {"content": {"image/svg+xml": {}}}}
+    "/plot.{form}",
+    response_class=Response,
+    responses={200: {"content": {each: {} for each in MEDIA_TYPES.values()}}},
 )
-def get_svg(sweep: TheSweep, query: Annotated[BandQuery, Query()], store: TheStore) -> Response:
-    """Draw the same figure in vectors."""
-    return Response(_figure(store, sweep, query, "svg"), media_type="image/svg+xml")
+def get_plot(
+    sweep: TheSweep, form: Form, query: Annotated[BandQuery, Query()], store: TheStore
+) -> Response:
+    """Draw the paper's figure 4 for this sweep: return_mean above return_history."""
+    return Response(_figure(store, sweep, query, form), media_type=MEDIA_TYPES[form])
 
 
 def _compared(

@@ -12,6 +12,7 @@ from service.paired_difference import paired_differences
 from service.problems import Fault, InvalidRequest
 from service.routes.context import TheStore, TheSweep
 from service.routes.negotiation import asked_form
+from service.routes.revalidation import RevalidatedRoute
 from service.schemas.score_table_answer import ScoreTableAnswer, score_table_csv
 from service.schemas.statistics_answer import StatisticsAnswer
 from service.score_table import ScoreTable, score_table
@@ -20,7 +21,7 @@ from service.scores import CellScores, latest_scores
 from service.sweep import Sweep
 from service.sweep_statistics import sweep_statistics
 
-router = APIRouter(prefix="/sweeps/{sweep_id}", tags=["curves"])
+router = APIRouter(prefix="/sweeps/{sweep_id}", tags=["curves"], route_class=RevalidatedRoute)
 
 MAX_COMPARED = 4_000_000
 TableForm = Literal["json", "csv", "markdown", "latex"]

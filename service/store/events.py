@@ -73,3 +73,11 @@ def after(connection: Connection, event_id: int, sweep_id: str | None, limit: in
 def last_id(connection: Connection) -> int:
     """Return the newest event's id, 0 when there is none."""
     return connection.scalar(select(func.max(events.c.id))) or 0
+
+
+def last_id_of(connection: Connection, sweep_id: str) -> int | None:
+    """Return the newest event's id of one sweep; None when there is no such sweep."""
+    number = select(sweeps.c.number).where(sweeps.c.id == sweep_id).scalar_subquery()
+    query = select(func.max(events.c.id)).where(events.c.sweep_number == number)
+    last: int | None = connection.scalar(query)
+    return last

@@ -1,6 +1,6 @@
 """Random returns, once per environment version."""
 
-from sqlalchemy import Connection, delete, insert, select
+from sqlalchemy import Connection, delete, func, insert, select
 
 from service.store.tables import random_returns
 from workers.random_return import RandomReturn
@@ -32,3 +32,8 @@ def of_all(connection: Connection) -> dict[tuple[str, int], RandomReturn]:
         )
         for row in rows
     }
+
+
+def last_measured_at(connection: Connection) -> float:
+    """Return when the newest one was written, 0 when there is none."""
+    return connection.scalar(select(func.max(random_returns.c.measured_at))) or 0.0

@@ -232,3 +232,10 @@ class Store:
         """Return the newest event's id, 0 when there is none."""
         with self._readers.connect() as connection:
             return events.last_id(connection)
+
+    def sweep_version(self, sweep_id: str) -> str | None:
+        """Return a text that changes with whatever is shown of a sweep; None: no such sweep."""
+        with self._readers.connect() as connection:
+            last = events.last_id_of(connection, sweep_id)
+            zeros = random_returns.last_measured_at(connection)
+        return None if last is None else f"{last}-{zeros!r}"

@@ -190,6 +190,21 @@ def test_figures_are_files_with_the_same_bytes_each_time(reader: TestClient, tra
     assert svg.headers["content-type"] == "image/svg+xml"
     assert reader.get(f"{trained}/plot.svg").content == svg.content
     xml.dom.minidom.parseString(svg.content)  # noqa: S318 - our own
+    pdf = reader.get(f"{trained}/plot.pdf")
+    assert pdf.headers["content-type"] == "application/pdf"
+    assert pdf.content.startswith(b"%PDF-")
+    assert b"CreationDate" not in pdf.content
+    assert reader.get(f"{trained}/plot.pdf").content == pdf.content
+
+
+def test_a_figure_in_another_form_is_refused(reader: TestClient, trained: str) -> None:
+    refusal = reader.get(f"{trained}/plot.gif")
+    assert refusal.status_code == 422
+    assert refusal.json()["errors"][0] == {
+        "field": "form",
+        "message": "Input should be 'png', 'svg' or 'pdf'",
+        "limit": "'png', 'svg' or 'pdf'",
+    }
 
 
 def test_a_figure_of_nothing_yet(client: TestClient) -> None:
