@@ -41,6 +41,8 @@ from algorithms.policy import Policy
 from algorithms.replay import Memory, Replay, empty_memory
 from algorithms.rollout import Experience, Rollout
 from algorithms.scaling import Coordinates, Statistics, coordinates_of
+from algorithms.snapshot import Critic, Snapshot
+from algorithms.state import State, part, within
 from algorithms.target_jacobian import fold
 from physics.environment import Environment
 from physics.randomness import generator
@@ -95,7 +97,7 @@ class DDPGAgent:
             environment.action_size, coordinates.seen.size + environment.action_size,
             linearized=self._matched,
         )  # fmt: skip
-        self._replay = Replay(memory, environment.state_size)
+        self.replay = Replay(memory, environment.state_size)
         self._means = UpdateMeans()
 
     def policy(self) -> Policy:
@@ -113,10 +115,10 @@ class DDPGAgent:
         """Store the transitions and take in their features."""
         transitions = experience.transitions
         self._statistics.observe(np.ascontiguousarray(transitions.features))
-        if not self._replay.size:
+        if not self.replay.size:
             rewards = transitions.rewards
             self._statistics.set_value_scale(float(rewards.mean()), float(rewards.std()))
-        self._replay.extend(transitions, experience.states)
+        self.replay.extend(transitions, experience.states)
         self.jacobians += len(experience.states) if self._matched else 0
 
     def learn(self) -> str | None:
@@ -124,10 +126,10 @@ class DDPGAgent:
         count, batch = self._config.cycle_updates, self._config.batch_size
         self._adapt_noise()
         draws = generator(self.seed, "batches", self.updates)
-        indices = draws.integers(self._replay.size, size=(count, batch))
+        indices = draws.integers(self.replay.size, size=(count, batch))
         report = empty_report(count)
         done = update(
-            self._actor, self._critic, self.updates, self._replay.memory, indices,
+            self._actor, self._critic, self.updates, self.replay.memory, indices,
             self._coordinates, self._statistics.scaling(), self._rates, self._matching,
             self._shapes, report,
         )  # fmt: skip
@@ -141,10 +143,10 @@ class DDPGAgent:
     def diagnose(self, timestep: int) -> dict[str, float]:
         """The means of the updates since the last call, and how well gradients fit."""
         draws = generator(self.seed, "diagnostics", timestep)
-        indices = draws.integers(self._replay.size, size=self._config.batch_size)
-        memory = self._replay.memory
+        indices = draws.integers(self.replay.size, size=self._config.batch_size)
+        memory = self.replay.memory
         actions = memory.actions[indices].astype(np.float64)
-        steps = self._environment.differentiate(self._replay.states[indices], actions)
+        steps = self._environment.differentiate(self.replay.states[indices], actions)
         self.jacobians += len(indices)
         derivatives = fold(self._environment, self._coordinates, steps)
         drawn = Memory._make([*(part[indices] for part in memory[:5]), *derivatives])
@@ -159,13 +161,51 @@ class DDPGAgent:
             "value_std": self._statistics.value_std,
         }
 
+    def state(self) -> State:
+        """All that its next bits depend on but the replay."""
+        own = {
+            "updates": np.array(self.updates),
+            "jacobians": np.array(self.jacobians),
+            "perturbations": np.array(self._perturbations),
+            "noise_scale": np.array(self._noise.scale),
+        }
+        return (
+            own
+            | within("actor", self._actor.state())
+            | within("critic", self._critic.state())
+            | within("statistics", self._statistics.state())
+            | within("means", self._means.state())
+        )
+
+    def restore(self, state: State) -> None:
+        """Take up what `state` gave."""
+        self.updates = int(state["updates"])
+        self.jacobians = int(state["jacobians"])
+        self._perturbations = int(state["perturbations"])
+        self._noise.scale = float(state["noise_scale"])
+        self._actor.restore(part(state, "actor"))
+        self._critic.restore(part(state, "critic"))
+        self._statistics.restore(part(state, "statistics"))
+        self._means.restore(part(state, "means"))
+
+    def snapshot(self, timestep: int) -> Snapshot:
+        """What was learned so far."""
+        statistics = self._statistics
+        return Snapshot(
+            timestep,
+            self._config.hidden_units,
+            self._environment.action_size,
+            self.policy(),
+            Critic(self._critic.theta, statistics.value_mean, statistics.value_std),
+        )
+
     def _adapt_noise(self) -> None:
         """Measure what a fresh perturbation does to the actions, and follow it."""
         draws = generator(self.seed, "noise adaptation", self.updates)
         perturbed = self._noise.perturbed(self._actor.theta, draws)
-        indices = draws.integers(self._replay.size, size=self._config.batch_size)
+        indices = draws.integers(self.replay.size, size=self._config.batch_size)
         distance = action_distance(
-            self._actor.theta, perturbed, self._replay.memory, indices,
+            self._actor.theta, perturbed, self.replay.memory, indices,
             self._statistics.scaling(), self._shapes[0],
         )  # fmt: skip
         self._noise.adapt(float(distance))

@@ -22,6 +22,7 @@ from algorithms.network import Shape
 from algorithms.optimizer import Learned
 from algorithms.replay import Memory
 from algorithms.scaling import Coordinates, Scaling
+from algorithms.state import State
 from physics.compiled import compiled_fast
 
 Gradients = NDArray[np.float32]
@@ -30,30 +31,37 @@ Gradients = NDArray[np.float32]
 class UpdateMeans:
     """The means of what updates saw, since they were last taken."""
 
+    NAMES = (
+        "critic_loss",
+        "gradient_loss",
+        "q_mean",
+        "critic_gradient_norm",
+        "actor_gradient_norm",
+    )
+
     def __init__(self) -> None:
         """Begin with none."""
-        self._reports: list[Report] = []
+        self._cycles = np.empty((0, len(self.NAMES)), np.float32)
 
     def add(self, report: Report) -> None:
         """Take in a cycle's report."""
-        self._reports.append(report)
+        cycle = [getattr(report, name).mean() for name in self.NAMES]
+        self._cycles = np.vstack([self._cycles, np.array(cycle, np.float32)])
 
     def take(self) -> dict[str, float]:
         """The means by name, NaN if there were no updates; begin anew."""
-        reports, self._reports = self._reports, []
-        names = (
-            "critic_loss",
-            "gradient_loss",
-            "q_mean",
-            "critic_gradient_norm",
-            "actor_gradient_norm",
-        )
-        if not reports:
-            return dict.fromkeys(names, float("nan"))
-        return {
-            name: float(np.mean([getattr(report, name).mean() for report in reports]))
-            for name in names
-        }
+        cycles, self._cycles = self._cycles, self._cycles[:0]
+        if not len(cycles):
+            return dict.fromkeys(self.NAMES, float("nan"))
+        return {name: float(np.mean(cycles[:, i])) for i, name in enumerate(self.NAMES)}
+
+    def state(self) -> State:
+        """The means of each cycle since they were last taken [cycles, names]."""
+        return {"cycles": self._cycles}
+
+    def restore(self, state: State) -> None:
+        """Take up what `state` gave."""
+        self._cycles = state["cycles"]
 
 
 def agreement(gradient: Gradients, target: Gradients, coordinates: Coordinates) -> dict[str, float]:

@@ -1,9 +1,22 @@
-"""Learner: the one face that every algorithm shows to whoever runs it."""
+"""Learner: the one face that every algorithm shows to whoever runs it.
 
-from collections.abc import Collection, Sequence
+A run can be left and taken up again, between two calls of `advance`, to the same bits:
+
+    saved = {seed: Saved(learner.state(seed), learner.journal(seed, 0)) for seed in learner.seeds}
+    other = build(...)                                      # the same arguments, these seeds
+    other.restore(saved)                                    # other.advance() does as learner's
+
+The state is small and saved whole. The journal, a row for each timestep, only grows: whoever saves
+a run a second time asks for the rows since the first. What can be worked out again from the journal
+(features, rewards, Jacobians: functions of state and action) is in neither.
+"""
+
+from collections.abc import Collection, Mapping, Sequence
 from typing import Protocol
 
 from algorithms.measurement import Divergence, Measurement
+from algorithms.snapshot import Snapshot
+from algorithms.state import Saved, State
 
 
 class Learner(Protocol):
@@ -21,6 +34,10 @@ class Learner(Protocol):
         """Environment steps each of them has taken."""
 
     @property
+    def bytes_per_run(self) -> int:
+        """Memory that each of them may come to fill, but for the small change."""
+
+    @property
     def finished(self) -> bool:
         """Whether nothing is left to do."""
 
@@ -29,3 +46,23 @@ class Learner(Protocol):
 
     def drop(self, seeds: Collection[int]) -> None:
         """Stop training these seeds, such as cancelled ones; unknown ones are ignored."""
+
+    def state(self, seed: int) -> State:
+        """All that the run's next bits depend on but its journal; copy it before `advance`."""
+
+    def journal(self, seed: int, start: int) -> State:
+        """The journal's rows of timesteps `start` to `timestep`, arrays `[timestep - start, ...]`.
+
+        Without the oldest of them, where they are no longer needed. Empty for learners that keep
+        no journal.
+        """
+
+    def restore(self, saved: Mapping[int, Saved]) -> None:
+        """Take up every run of a learner just built, all left at the same timestep.
+
+        Raises:
+            KeyError, ValueError: for a state that is not of this learner.
+        """
+
+    def snapshot(self, seed: int) -> Snapshot | None:
+        """What was learned so far, to act and to look at; None for those that learn no policy."""

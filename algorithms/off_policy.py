@@ -6,7 +6,7 @@ the other learn from its own replay. Every 800 timesteps each run is measured.
 
 import time
 from collections import deque
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Protocol
 
 import numpy as np
@@ -15,7 +15,10 @@ from algorithms.evaluation import episode_returns
 from algorithms.measurement import Divergence, Measurement
 from algorithms.network import Shape
 from algorithms.policy import Policies, Policy
+from algorithms.replay import Replay
 from algorithms.rollout import Experience, Rollout, start_states
+from algorithms.snapshot import Snapshot
+from algorithms.state import Saved, State, part, within
 from algorithms.threads import one_thread
 from physics.environment import Environment
 
@@ -31,6 +34,7 @@ class Agent(Protocol):
     seed: int
     updates: int
     jacobians: int
+    replay: Replay
 
     def policy(self) -> Policy:
         """The deterministic policy learned so far."""
@@ -46,6 +50,15 @@ class Agent(Protocol):
 
     def diagnose(self, timestep: int) -> dict[str, float]:
         """Numbers that tell how learning went since the last call."""
+
+    def state(self) -> State:
+        """All that its next bits depend on but the replay."""
+
+    def restore(self, state: State) -> None:
+        """Take up what `state` gave; the replay is filled by who calls this."""
+
+    def snapshot(self, timestep: int) -> Snapshot:
+        """What was learned so far."""
 
 
 class OffPolicyLearner:
@@ -70,13 +83,18 @@ class OffPolicyLearner:
         self._timesteps = timesteps
         self._rollout_steps = rollout_steps
         self._histories = {agent.seed: deque[float](maxlen=HISTORY) for agent in agents}
-        self._seconds = 0.0
+        self._seconds = {agent.seed: 0.0 for agent in agents}
         self.timestep = 0
 
     @property
     def seeds(self) -> list[int]:
         """The seeds still in training."""
         return [agent.seed for agent in self._agents]
+
+    @property
+    def bytes_per_run(self) -> int:
+        """The size of a replay when it is full."""
+        return max((agent.replay.nbytes for agent in self._agents), default=0)
 
     @property
     def finished(self) -> bool:
@@ -90,7 +108,9 @@ class OffPolicyLearner:
             self._act()
             events: list[Measurement | Divergence] = [*self._learn()]
             measured = self._measure() if self.timestep % MEASURE_EVERY == 0 else []
-        self._seconds += (time.perf_counter() - start) / runs
+        share = (time.perf_counter() - start) / runs
+        for seed in self.seeds:
+            self._seconds[seed] += share
         return events + [self._measurement(*each) for each in measured]
 
     def drop(self, seeds: Collection[int]) -> None:
@@ -99,6 +119,37 @@ class OffPolicyLearner:
         self._agents = [self._agents[row] for row in rows]
         self._rollout.keep(rows)
         self._exploring.keep(rows)
+
+    def state(self, seed: int) -> State:
+        """All that the run's next bits depend on but its journal."""
+        k = self.seeds.index(seed)
+        own = {
+            "timestep": np.array(self.timestep),
+            "seconds": np.array(self._seconds[seed]),
+            "history": np.array(self._histories[seed], np.float64),
+        }
+        agent, rollout = self._agents[k].state(), self._rollout.state(k)
+        return own | within("agent", agent) | within("rollout", rollout)
+
+    def journal(self, seed: int, start: int) -> State:
+        """States, actions and ends of the timesteps from `start` on that its replay still holds."""
+        return self._agents[self.seeds.index(seed)].replay.journal(start)
+
+    def restore(self, saved: Mapping[int, Saved]) -> None:
+        """Take up every run where it was left, its replay worked out from its journal."""
+        [self.timestep] = {int(saved[seed].state["timestep"]) for seed in self.seeds}
+        for k, agent in enumerate(self._agents):
+            state, journal = saved[agent.seed]
+            self._seconds[agent.seed] = float(state["seconds"])
+            self._histories[agent.seed].extend(state["history"].tolist())
+            self._rollout.restore(k, part(state, "rollout"))
+            agent.restore(part(state, "agent"))
+            with one_thread():
+                agent.replay.refill(self.timestep, journal, self._rollout.work_out)
+
+    def snapshot(self, seed: int) -> Snapshot:
+        """What the run has learned so far."""
+        return self._agents[self.seeds.index(seed)].snapshot(self.timestep)
 
     def _act(self) -> None:
         """Take a cycle's steps, cut where a measurement is due."""
@@ -154,6 +205,6 @@ class OffPolicyLearner:
             return_history=float(np.mean(history)),
             updates=agent.updates,
             jacobians=agent.jacobians,
-            seconds=self._seconds,
+            seconds=self._seconds[agent.seed],
             diagnostics=diagnostics,
         )

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from algorithms.layer import Array
+from algorithms.state import State, fill
 from physics.compiled import compiled_fast
 
 BETA1, BETA2 = np.float32(0.9), np.float32(0.999)
@@ -28,6 +29,15 @@ class Learned(NamedTuple):
     """The slowly following copy."""
     m: Array
     v: Array
+
+    def state(self) -> State:
+        """All four vectors by name."""
+        return self._asdict()
+
+    def restore(self, state: State) -> None:
+        """Overwrite all four."""
+        for name, vector in zip(self._fields, self, strict=True):
+            fill(vector, state[name])
 
 
 def learned(theta: NDArray[np.float32]) -> Learned:

@@ -7,11 +7,13 @@ for learners that match gradients, both with respect to z = (seen coordinates of
     J  [F, C + m]     d features(s') / dz, the Jacobian already multiplied by the features' slopes
 
 Keeping the Jacobian costs `4 (F + 1)(C + m)` bytes a transition (1.1 kB on the cheetah), working it
-out again from the state would cost 64 simulator steps an update.
+out again from the state would cost 64 simulator steps an update. A checkpoint is another matter: it
+keeps states and actions alone (the journal), from which everything here is worked out again once.
 
 Glossary: `N` capacity, `F` features, `C` seen coordinates, `m` actions, `n` state size, `B` rows.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +21,11 @@ from numpy.typing import NDArray
 
 from algorithms.layer import Array
 from algorithms.scaling import Coordinates, Scaling, coordinate_slopes, normalise
+from algorithms.state import State
 from physics.compiled import compiled_fast
+
+REFILL_ROWS = 4096
+"""Transitions worked out at once from a journal: few enough to need no memory to speak of."""
 
 
 class Memory(NamedTuple):
@@ -85,25 +91,52 @@ class Replay:
     Attributes:
         memory: the transitions; the first `size` are filled.
         states: float64 [N, n], the states they began in.
+        count: how many transitions there were, those that had to make room included.
     """
 
     def __init__(self, memory: Memory, state_size: int) -> None:
         """Start empty."""
         self.memory = memory
         self.states: NDArray[np.float64] = np.empty((len(memory.rewards), state_size))
-        self.size = 0
-        self._next = 0
+        self.count = 0
+
+    @property
+    def size(self) -> int:
+        """How many transitions it holds."""
+        return min(self.count, len(self.memory.rewards))
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes it takes when it is full."""
+        return self.states.nbytes + sum(part.nbytes for part in self.memory)
 
     def extend(self, transitions: Memory, states: NDArray[np.float64]) -> None:
         """Add transitions; once full, in the place of the oldest."""
-        capacity = len(self.memory.rewards)
-        rows = (self._next + np.arange(len(states))) % capacity
+        rows = (self.count + np.arange(len(states))) % len(self.memory.rewards)
         for kept, new in zip(self.memory, transitions, strict=True):
             if len(kept):
                 kept[rows] = new
         self.states[rows] = states
-        self._next = (self._next + len(states)) % capacity
-        self.size = min(self.size + len(states), capacity)
+        self.count += len(states)
+
+    def refill(self, count: int, journal: State, work_out: Callable[[State], Memory]) -> None:
+        """Hold what a journal of the latest of `count` transitions tells, `work_out` of it."""
+        kept = min(len(journal["states"]), len(self.memory.rewards))
+        self.count = count - kept
+        for start in range(-kept, 0, REFILL_ROWS):
+            stop = min(start + REFILL_ROWS, 0) or None
+            rows = {name: array[start:stop] for name, array in journal.items()}
+            self.extend(work_out(rows), rows["states"])
+
+    def journal(self, start: int) -> State:
+        """What the transitions from number `start` on can be worked out from, if still held."""
+        oldest = max(start, self.count - self.size)
+        rows = np.arange(oldest, self.count) % len(self.memory.rewards)
+        return {
+            "states": self.states[rows],
+            "actions": self.memory.actions[rows],
+            "continues": self.memory.continues[rows] > 0,
+        }
 
 
 @compiled_fast

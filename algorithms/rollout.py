@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from algorithms.policy import Policies
 from algorithms.replay import Memory, empty_memory
 from algorithms.scaling import Coordinates
+from algorithms.state import State
 from algorithms.target_jacobian import fold
-from physics.environment import Environment, Linearization
+from physics.environment import Environment, Transition
 from physics.randomness import generator
 
 FloatArray = NDArray[np.float64]
@@ -76,16 +77,38 @@ class Rollout:
         self._elapsed = self._elapsed[kept]
         self._states = self._states[kept]
 
+    def state(self, k: int) -> State:
+        """Where run k is in which of its episodes."""
+        return {
+            "episodes": np.array(self.episodes[k]),
+            "elapsed": np.array(self._elapsed[k]),
+            "state": self._states[k],
+        }
+
+    def restore(self, k: int, state: State) -> None:
+        """Take up what `state` gave."""
+        self.episodes[k] = state["episodes"]
+        self._elapsed[k] = state["elapsed"]
+        self._states[k] = state["state"]
+
+    def work_out(self, journal: State) -> Memory:
+        """The transitions of a replay's journal, with the bits they had when they were lived."""
+        states, actions = journal["states"], journal["actions"]
+        lived = self._empty(len(states))
+        lived.features[:] = self._environment.features(states)
+        lived.actions[:] = actions
+        transition = self._transition(states, actions.astype(np.float64), slice(None), lived)
+        lived.rewards[:] = transition.reward
+        lived.next_features[:] = self._environment.features(transition.next_state)
+        lived.continues[:] = journal["continues"]
+        return lived
+
     def collect(
         self, steps: int, policies: Policies, begin: Callable[[int], None]
     ) -> list[Experience]:
         """Take `steps` steps in every run; call `begin(k)` whenever run k begins an episode."""
         environment, runs = self._environment, len(self._seeds)
-        columns = self._coordinates.seen.size + environment.action_size
-        taken = empty_memory(
-            steps * runs, environment.feature_size, environment.action_size, columns,
-            linearized=self._linearized,
-        )  # fmt: skip
+        taken = self._empty(steps * runs)
         states = np.empty((steps * runs, environment.state_size))
         features = environment.features(self._states)
         for step in range(steps):
@@ -105,12 +128,7 @@ class Rollout:
     ) -> FloatArray:
         """Take one step, note it in `rows` of `taken`, and return the features to act on next."""
         environment = self._environment
-        if self._linearized:
-            linearization = environment.differentiate(self._states, actions)
-            transition = linearization.transition
-            self._note_derivatives(linearization, rows, taken)
-        else:
-            transition = environment.step(self._states, actions)
+        transition = self._transition(self._states, actions, rows, taken)
         self._elapsed += 1
         ended = transition.terminated
         out_of_time = self._elapsed >= environment.horizon
@@ -126,10 +144,25 @@ class Rollout:
             features = environment.features(self._states)
         return features
 
-    def _note_derivatives(self, steps: Linearization, rows: slice, taken: Memory) -> None:
-        rewards, jacobians = fold(self._environment, self._coordinates, steps)
+    def _transition(
+        self, states: FloatArray, actions: FloatArray, rows: slice, taken: Memory
+    ) -> Transition:
+        """Step the states, and note the derivatives in `rows` of `taken` where they are wanted."""
+        if not self._linearized:
+            return self._environment.step(states, actions)
+        linearization = self._environment.differentiate(states, actions)
+        rewards, jacobians = fold(self._environment, self._coordinates, linearization)
         taken.reward_gradients[rows] = rewards
         taken.jacobians[rows] = jacobians
+        return linearization.transition
+
+    def _empty(self, rows: int) -> Memory:
+        environment = self._environment
+        columns = self._coordinates.seen.size + environment.action_size
+        return empty_memory(
+            rows, environment.feature_size, environment.action_size, columns,
+            linearized=self._linearized,
+        )  # fmt: skip
 
     def _begin_episodes(self, runs: Sequence[int], begin: Callable[[int], None]) -> None:
         for k in runs:

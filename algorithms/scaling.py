@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from algorithms.layer import Array
+from algorithms.state import State, fill
 from physics.compiled import compiled, compiled_fast
 from physics.environment import Environment
 
@@ -99,6 +100,24 @@ class Statistics:
     def set_value_scale(self, mean: float, std: float) -> None:
         """Set the critic's output unit."""
         self.value_mean, self.value_std = mean, max(std, VALUE_STD_FLOOR)
+
+    def state(self) -> State:
+        """What has been seen and the scale of Q."""
+        return {
+            "count": np.array(self.count),
+            "mean": self.mean,
+            "squares": self.squares,
+            "value_mean": np.array(self.value_mean),
+            "value_std": np.array(self.value_std),
+        }
+
+    def restore(self, state: State) -> None:
+        """Take up what `state` gave."""
+        self.count = int(state["count"])
+        fill(self.mean, state["mean"])
+        fill(self.squares, state["squares"])
+        self.value_mean = float(state["value_mean"])
+        self.value_std = float(state["value_std"])
 
     def scaling(self) -> Scaling:
         """The numbers of this moment."""

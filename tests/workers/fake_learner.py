@@ -1,9 +1,13 @@
 """A learner without learning: its measurements follow from seed and timestep."""
 
 import threading
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+
+import numpy as np
 
 from algorithms.measurement import Divergence, Measurement
+from algorithms.snapshot import Snapshot
+from algorithms.state import Saved, State
 from workers.run_spec import RunSpec
 
 CYCLE = 100
@@ -16,6 +20,8 @@ def measurement_of(seed: int, timestep: int) -> Measurement:
 
 class FakeLearner:
     """Trains until `timesteps`; `before_cycle(timestep)` may wait, raise, or diverge seeds."""
+
+    bytes_per_run = 1000
 
     def __init__(
         self,
@@ -45,3 +51,19 @@ class FakeLearner:
 
     def drop(self, seeds: Collection[int]) -> None:
         self.seeds = [seed for seed in self.seeds if seed not in seeds]
+
+    def state(self, seed: int) -> State:
+        return {"timestep": np.array(self.timestep), "seed": np.array(seed)}
+
+    def journal(self, seed: int, start: int) -> State:
+        return {"lived": seed * 10**6 + np.arange(start, self.timestep)}
+
+    def restore(self, saved: Mapping[int, Saved]) -> None:
+        for seed, (state, journal) in saved.items():
+            self.timestep = int(state["timestep"])
+            assert state["seed"] == seed
+            expected = seed * 10**6 + np.arange(self.timestep)
+            np.testing.assert_array_equal(journal["lived"], expected, strict=True)
+
+    def snapshot(self, seed: int) -> Snapshot | None:
+        return None

@@ -1,0 +1,112 @@
+"""Snapshot: what a run has learned, to act with and to look at.
+
+    a = tanh(pi(x)),   Q(s, a) = value_mean + value_std q(x, a),   x = clip((f(s) - mean) inverse)
+
+A snapshot is written beside a run's checkpoints and kept when the run has ended: rollouts are
+played with its policy, and its critic is drawn as a surface over states and actions.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from algorithms import network
+from algorithms.layer import Array
+from algorithms.network import Shape
+from algorithms.policy import Policies, Policy
+from algorithms.scaling import normalise
+from algorithms.state import State, part, within
+from physics.compiled import compiled_fast
+
+FloatArray = NDArray[np.float64]
+
+
+class Critic(NamedTuple):
+    """What a Q of the run is made of."""
+
+    theta: NDArray[np.float32]
+    """[P]"""
+    value_mean: float
+    value_std: float
+
+
+class Snapshot(NamedTuple):
+    """One run's policy and, if it has one, its critic."""
+
+    timestep: int
+    hidden: int
+    """Units of each hidden layer."""
+    actions: int
+    """m"""
+    policy: Policy
+    critic: Critic | None = None
+
+    def policies(self) -> Policies:
+        """The policy, ready to act on one state at a time [1, F]."""
+        shape = Shape(self.policy.mean.size, self.hidden, self.actions)
+        return Policies([self.policy], shape)
+
+    def values(self, features: FloatArray, actions: FloatArray) -> FloatArray:
+        """Q [b] of features [b, F] and actions [b, m], in the task's units.
+
+        Raises:
+            ValueError: where the run learns no critic.
+        """
+        if self.critic is None:
+            raise ValueError("this run learns no critic: it has no Q to look at")
+        q = np.empty(len(features))
+        shape = Shape(self.policy.mean.size + self.actions, self.hidden, 1)
+        q_rows(self.critic.theta, self.policy, features, actions, shape, q)
+        return self.critic.value_mean + self.critic.value_std * q
+
+    def arrays(self) -> State:
+        """Plain arrays by name; `snapshot_of` undoes it."""
+        own = {
+            "timestep": np.array(self.timestep),
+            "hidden": np.array(self.hidden),
+            "actions": np.array(self.actions),
+        }
+        critic = {} if self.critic is None else _arrays(self.critic)
+        return own | within("policy", _arrays(self.policy)) | within("critic", critic)
+
+
+def snapshot_of(arrays: State) -> Snapshot:
+    """What `Snapshot.arrays` made into arrays. Raises KeyError for others."""
+    policy, critic = part(arrays, "policy"), part(arrays, "critic")
+    return Snapshot(
+        int(arrays["timestep"]),
+        int(arrays["hidden"]),
+        int(arrays["actions"]),
+        Policy(policy["theta"], policy["mean"], policy["inverse"]),
+        critic=Critic(critic["theta"], float(critic["value_mean"]), float(critic["value_std"]))
+        if critic
+        else None,
+    )
+
+
+def _arrays(parts: Policy | Critic) -> State:
+    return {name: np.asarray(value) for name, value in zip(parts._fields, parts, strict=True)}
+
+
+@compiled_fast
+def q_rows(
+    theta: Array,
+    policy: Any,
+    features: FloatArray,
+    actions: FloatArray,
+    shape: Shape,
+    result: FloatArray,
+) -> None:
+    """The normalised Q [b] of features [b, F] and actions [b, m]."""
+    work = network.new_pass(theta, features.shape[0], shape)
+    count = features.shape[1]
+    for row in range(features.shape[0]):
+        for i in range(count):
+            feature = np.float32(features[row, i])
+            work.x[row, i] = normalise(feature, policy.mean[i], policy.inverse[i])
+        for i in range(actions.shape[1]):
+            work.x[row, count + i] = np.float32(actions[row, i])
+    network.forward(network.parameters(theta, shape), work)
+    for row in range(features.shape[0]):
+        result[row] = work.out[row, 0]
