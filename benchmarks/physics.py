@@ -1,55 +1,68 @@
-"""Physics: transitions a second of every task, beside Gymnasium's own classic tasks.
+"""Physics: transitions a second of every task, beside Gymnasium's and gymnax's classic tasks.
 
-Ours are rollouts of random actions over `batch` rows, through the public methods, with every row
-that ended put back to a start state, and all of them at the horizon (a die that has come to rest
-costs next to nothing); Gymnasium's are rollouts of random actions over as many environments, with
-its own resets. The best of several rounds counts: other programs can only slow one down. Run with
-`OMP_NUM_THREADS=1` or without: nothing here uses a second thread.
+Ours are rollouts of random actions over `batch` rows, call by call through the public methods, with
+every row that ended put back to a start state, and all of them at the horizon (a die that has come
+to rest costs next to nothing). Gymnasium's are rollouts over as many environments, with its own
+resets; gymnax's are whole rollouts in one jitted scan. All take turns in short rounds on one core,
+and the best round of each counts: other programs can only slow one down.
+
+HalfCheetah has a benchmark of its own, beside MuJoCo and nimblephysics: benchmarks/half_cheetah.py.
 """
 
 import argparse
+import importlib
+import os
 import time
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, NamedTuple
 
-import gymnasium
 import numpy as np
 
 import physics
+from benchmarks.peers.gymnasium_vector import gymnasium_step
 from physics.environment import Environment
 from physics.randomness import generator
 
 BATCHES = (1, 16)
-ROUNDS = 7
-# Our task -> Gymnasium's own, and how it runs 16 at a time fastest.
-PEERS = {
-    "CartPole": ("CartPole-v1", "vector_entry_point"),
-    "Pendulum": ("Pendulum-v1", "sync"),
-    "MountainCar": ("MountainCarContinuous-v0", "sync"),
-    "Acrobot": ("Acrobot-v1", "sync"),
+# Our task -> Gymnasium's own, how it runs 16 at a time fastest, and what it calls that.
+GYMNASIUM = {
+    "CartPole": ("CartPole-v1", "vector_entry_point", "native vector"),
+    "Pendulum": ("Pendulum-v1", "sync", "SyncVectorEnv"),
+    "MountainCar": ("MountainCarContinuous-v0", "sync", "SyncVectorEnv"),
+    "Acrobot": ("Acrobot-v1", "sync", "SyncVectorEnv"),
 }
 
-Action = Any
-OneStep = Callable[[], None]
+
+class Contender(NamedTuple):
+    """Something that makes so many transitions a call."""
+
+    name: str
+    call: Callable[[], None]
+    transitions: int
 
 
-def best_rate(step: OneStep, transitions: int, seconds: float) -> float:
-    """Transitions a second of the best round, each of about `seconds`."""
-    step()
-    start, calls = time.perf_counter(), 0
-    while time.perf_counter() - start < seconds:
-        step()
-        calls += 1
-    durations = []
-    for _ in range(ROUNDS):
-        start = time.perf_counter()
-        for _ in range(calls):
-            step()
-        durations.append(time.perf_counter() - start)
-    return transitions * calls / min(durations)
+def best_rates(contenders: Sequence[Contender], seconds: float, rounds: int) -> list[float]:
+    """Transitions a second of each one's best round, each of about `seconds`."""
+    calls = []
+    for contender in contenders:
+        contender.call()
+        start, count = time.perf_counter(), 0
+        while time.perf_counter() - start < seconds:
+            contender.call()
+            count += 1
+        calls.append(count)
+    best = [0.0] * len(contenders)
+    for _ in range(rounds):
+        for index, (contender, count) in enumerate(zip(contenders, calls, strict=True)):
+            start = time.perf_counter()
+            for _ in range(count):
+                contender.call()
+            rate = contender.transitions * count / (time.perf_counter() - start)
+            best[index] = max(best[index], rate)
+    return best
 
 
-def our_step(environment: Environment, batch: int, with_derivatives: bool) -> OneStep:
+def our_step(environment: Environment, batch: int, with_derivatives: bool) -> Callable[[], None]:
     """One step of a rollout of ours."""
     random = generator(0, "benchmark")
     starts = environment.initial_states(range(batch))
@@ -72,55 +85,59 @@ def our_step(environment: Environment, batch: int, with_derivatives: bool) -> On
     return step
 
 
-def peer_step(name: str, batch: int, mode: str) -> OneStep:
-    """One step of a rollout of Gymnasium's."""
-    peer: Any = gymnasium.make_vec(name, num_envs=batch, vectorization_mode=mode)
-    peer.reset(seed=0)
-    peer.action_space.seed(0)
-    actions = [peer.action_space.sample() for _ in range(64)]
-    turn = 0
+def peers(name: str, batch: int, gymnax: Any) -> Iterator[Contender]:
+    """Who else has the task of that name."""
+    if name not in GYMNASIUM:
+        return
+    peer, mode, label = GYMNASIUM[name]
+    yield Contender(f"Gymnasium's {label}", gymnasium_step(peer, batch, mode), batch)
+    if gymnax is not None:
+        yield Contender("gymnax's jitted scan", *gymnax.gymnax_rollout(peer, batch))
 
-    def step() -> None:
-        nonlocal turn
-        turn = (turn + 1) % 64
-        peer.step(actions[turn])
 
-    return step
+def find_gymnax() -> Any:
+    """The module that runs gymnax, or None where gymnax is not installed."""
+    try:
+        return importlib.import_module("benchmarks.peers.gymnax_rollout")
+    except ModuleNotFoundError as error:
+        print(f"gymnax: not installed ({error}); `make bench` installs it")
+        return None
 
 
 def report(name: str, value: float, unit: str) -> None:
     print(f"{name}: {value:,.4g} {unit}" if value < 1e4 else f"{name}: {value:,.0f} {unit}")
 
 
-def measure(name: str, seconds: float) -> None:
-    environment = physics.make(name)
-    report(f"{name}, compiling or loading", environment.compile(), "s")
-    for batch in BATCHES:
-        stepping = best_rate(our_step(environment, batch, False), batch, seconds)
-        differentiating = best_rate(our_step(environment, batch, True), batch, seconds)
-        report(f"{name}, batch {batch}, step", stepping, "transitions/s")
-        report(f"{name}, batch {batch}, differentiate", differentiating, "transitions/s")
-        report(f"{name}, batch {batch}, differentiate over step", stepping / differentiating, "x")
-        if name in PEERS:
-            peer, mode = PEERS[name]
-            theirs = best_rate(peer_step(peer, batch, mode), batch, seconds)
-            label = "native vector" if mode == "vector_entry_point" else "SyncVectorEnv"
-            report(f"Gymnasium {peer} ({label}), batch {batch}", theirs, "transitions/s")
-            report(f"{name}, batch {batch}, step over Gymnasium", stepping / theirs, "x")
-            report(
-                f"{name}, batch {batch}, differentiate over Gymnasium",
-                differentiating / theirs,
-                "x",
-            )
+def measure(name: str, batch: int, others: Sequence[Contender], arguments: Any) -> None:
+    """Print the rates of one task in one batch size, and how they compare."""
+    environment, label = physics.make(name), f"{name}, batch {batch}"
+    ours = [
+        Contender("step", our_step(environment, batch, False), batch),
+        Contender("differentiate", our_step(environment, batch, True), batch),
+    ]
+    rates = best_rates([*ours, *others], arguments.seconds, arguments.rounds)
+    stepping, differentiating, *theirs = rates
+    for contender, rate in zip([*ours, *others], rates, strict=True):
+        report(f"{label}, {contender.name}", rate, "transitions/s")
+    report(f"{label}, a step with its derivatives", 1e6 / differentiating, "us")
+    report(f"{label}, differentiate takes", stepping / differentiating, "x step")
+    for other, rate in zip(others, theirs, strict=True):
+        report(f"{label}, step over {other.name}", stepping / rate, "x")
+        report(f"{label}, differentiate over {other.name}", differentiating / rate, "x")
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("names", nargs="*", default=physics.names(), help="tasks (default: all)")
-    parser.add_argument("--seconds", type=float, default=0.2, help="length of a round")
+    parser.add_argument("--seconds", type=float, default=0.01, help="length of a round")
+    parser.add_argument("--rounds", type=int, default=100)
     arguments = parser.parse_args()
+    os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+    gymnax = find_gymnax()
     for name in arguments.names:
-        measure(name, arguments.seconds)
+        report(f"{name}, compiling or loading", physics.make(name).compile(), "s")
+        for batch in BATCHES:
+            measure(name, batch, list(peers(name, batch, gymnax)), arguments)
 
 
 if __name__ == "__main__":

@@ -4,7 +4,8 @@ import argparse
 import sys
 import time
 
-from physics.audit import COUNT, RegimeAudit, as_table, audit, write_record
+from physics.audit import audit
+from physics.audit_record import COUNT, RegimeAudit, as_table, write_record
 from physics.catalogue import compile_kernels, make, names
 
 

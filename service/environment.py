@@ -22,6 +22,8 @@ class EnvironmentFacts:
     horizon: int
     max_reward: float
     reward_is_differentiable: bool
+    regimes: tuple[str, ...]
+    """The kinds of step that its gradient audit reports apart."""
 
     @classmethod
     def of(cls, environment: "Environment") -> Self:
@@ -35,6 +37,7 @@ class EnvironmentFacts:
             horizon=environment.horizon,
             max_reward=environment.max_reward,
             reward_is_differentiable=environment.reward_is_differentiable,
+            regimes=environment.regimes,
         )
 
     @property

@@ -1,1 +1,1 @@
-"""Implementations that ours are measured beside."""
+"""What the benchmarks measure beside this project: one peer a file."""

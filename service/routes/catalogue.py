@@ -10,6 +10,7 @@ from pydantic import BaseModel, Field, TypeAdapter
 import physics
 from algorithms import catalogue
 from algorithms.presets import Preset, preset
+from physics.audit_record import audited
 from service.environment import EnvironmentFacts, environment_facts
 from service.schemas.run_answer import WeightsAnswer
 from service.schemas.sweep_request import (
@@ -43,6 +44,17 @@ class AlgorithmAnswer(BaseModel):
     presets: dict[str, PresetAnswer] = Field(description="By environment it can learn in.")
 
 
+class AuditAnswer(BaseModel):
+    """What the gradient audit found in one regime of an environment (`python -m physics audit`)."""
+
+    regime: str
+    states: int = Field(description="How many states were compared with central differences.")
+    kinks: int = Field(description="How many more lay at a kink, where no derivative exists.")
+    worst: float = Field(description="The worst relative error of the states compared.")
+    median: float
+    passed: bool = Field(description="At least 2,000 states, and the worst error at most 1e-6.")
+
+
 class EnvironmentAnswer(BaseModel):
     """An environment."""
 
@@ -54,6 +66,10 @@ class EnvironmentAnswer(BaseModel):
     horizon: int
     max_reward: float
     reward_is_differentiable: bool
+    regimes: list[str] = Field(description="The kinds of step that its audit reports apart.")
+    audit: list[AuditAnswer] = Field(
+        description="Empty where this version of the environment was never audited."
+    )
 
 
 class LimitsAnswer(BaseModel):
@@ -81,8 +97,18 @@ def get_catalogue() -> CatalogueAnswer:
     environments = [environment_facts(name) for name in physics.names()]
     return CatalogueAnswer(
         algorithms=[_algorithm(name, environments) for name in catalogue.names()],
-        environments=[EnvironmentAnswer(**asdict(facts)) for facts in environments],
+        environments=[_environment(facts) for facts in environments],
         limits=LimitsAnswer(),
+    )
+
+
+def _environment(facts: EnvironmentFacts) -> EnvironmentAnswer:
+    return EnvironmentAnswer(
+        **asdict(facts),
+        audit=[
+            AuditAnswer(**asdict(row), passed=row.passed())
+            for row in audited(facts.name, facts.version)
+        ],
     )
 
 

@@ -1,13 +1,11 @@
 """The audit: what it counts, what it finds, and the record it keeps."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import physics
 from physics.__main__ import main
-from physics.audit import RegimeAudit, as_table, audit, read_record, write_record
+from physics.audit import audit
 from physics.environment import FloatArray, Linearization
 from physics.mountain_car import MountainCar
 from physics.pendulum import Pendulum
@@ -52,29 +50,6 @@ def test_states_at_a_kink_are_counted_not_compared(monkeypatch: pytest.MonkeyPat
     assert sum(row.states for row in rows) == 0
     assert sum(row.kinks for row in rows) == 1000
     assert not any(row.passed(100) for row in rows)
-
-
-def test_the_record_keeps_other_tasks(tmp_path: Path) -> None:
-    path = tmp_path / "audit.json"
-    old = RegimeAudit("CartPole", 1, "free", 2000, 1, 1e-8, 1e-12)
-    write_record([RegimeAudit("Pendulum", 1, "free", 10, 0, 1e-9, 1e-12), old], path)
-    write_record([RegimeAudit("Pendulum", 2, "free", 20, 0, 1e-9, 1e-12)], path)
-    assert [(row.environment, row.states) for row in read_record(path)] == [
-        ("CartPole", 2000),
-        ("Pendulum", 20),
-    ]
-    assert read_record(path)[0] == old
-    assert "| Pendulum | 2 | free | 20 | 0 | 1.0e-09 | 1.0e-12 |" in as_table(read_record(path))
-
-
-def test_the_record_is_of_these_versions_and_passed() -> None:
-    recorded = read_record()
-    assert {row.environment for row in recorded} >= {"MassPoint", "CartPole", "Pendulum", "Acrobot"}
-    for row in recorded:
-        task = physics.make(row.environment)
-        assert row.version == task.version, f"audit {row.environment} anew"
-        assert row.regime in task.regimes
-        assert row.passed(), row
 
 
 def test_the_command(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import physics
-from physics.audit import as_table, audit
+from physics.audit import audit
+from physics.audit_record import as_table
 from physics.drawing import Capsule
 from physics.environment import FloatArray, UnsolvedStepError
 from physics.impulse import REVERSE

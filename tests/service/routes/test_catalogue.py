@@ -17,6 +17,15 @@ def test_everything_that_is_there_is_listed(idle_client: TestClient) -> None:
         assert schema["batch_size"]["description"]
 
 
+def test_every_environment_carries_its_gradient_audit(idle_client: TestClient) -> None:
+    answer = idle_client.get("/api/v1/catalogue").json()
+    for environment in answer["environments"]:
+        rows = environment["audit"]
+        assert [row["regime"] for row in rows] == environment["regimes"] != []
+        assert all(row["passed"] for row in rows)
+        assert all(row["states"] >= 2000 and 0.0 < row["worst"] <= 1e-6 for row in rows)
+
+
 def test_what_is_listed_can_be_submitted(idle_client: TestClient) -> None:
     answer = idle_client.get("/api/v1/catalogue").json()
     for algorithm in answer["algorithms"]:
