@@ -42,10 +42,10 @@ def test_a_missing_file_is_refused() -> None:
     assert "cannot read nowhere.yaml" in result.output
 
 
-def test_a_figure_is_png_or_svg() -> None:
+def test_a_figure_is_png_svg_or_pdf() -> None:
     result = runner.invoke(app, ["plot", "0" * 12, "-o", "figure.gif"], env={"COLUMNS": "300"})
     assert result.exit_code == 2
-    assert ".png or .svg" in result.output
+    assert ".png, .svg or .pdf" in result.output
 
 
 @pytest.mark.parametrize(
