@@ -20,6 +20,7 @@ from service.routes import (
     events,
     health,
     measurements,
+    metrics,
     pages,
     runs,
     scores,
@@ -56,7 +57,7 @@ def create_app(settings: Settings, store: Store, dispatcher: Dispatcher) -> Fast
     api = APIRouter(prefix=PREFIX)
     for resource in RESOURCES:
         api.include_router(resource.router)
-    for router in (api, health.router, signin.router):
+    for router in (api, health.router, metrics.router, signin.router):
         app.include_router(router)
     documentation.add_documentation(app)
     pages.add_pages(app)

@@ -14,6 +14,7 @@ from collections.abc import Callable
 
 import structlog
 
+from service.metrics import DISPATCH_SECONDS
 from service.scheduler import DispatchTimes, State, step
 from service.scheduler_messages import (
     AskCancelling,
@@ -108,12 +109,13 @@ class Dispatcher:
     def work_round(self) -> None:
         """Do one round. Raises what the store raises; nothing is lost then."""
         self._listen()
-        self._carry_out()
-        while self._events:
-            self._advance(self._events.popleft())
+        with DISPATCH_SECONDS.time():
             self._carry_out()
-        self._advance(Tick())
-        self._carry_out()
+            while self._events:
+                self._advance(self._events.popleft())
+                self._carry_out()
+            self._advance(Tick())
+            self._carry_out()
 
     def _listen(self) -> None:
         """Wait for reports; also while the database refuses, for silence must mean silence."""

@@ -1,5 +1,6 @@
 """What routes are given: store, event feed, dispatcher; the sweep or run of their path."""
 
+from collections.abc import Mapping
 from typing import Annotated, Protocol
 
 from fastapi import Depends, Request
@@ -19,6 +20,10 @@ class Dispatcher(Protocol):
     @property
     def problem(self) -> str | None:
         """Why no run can start now, as a sentence; None while they can."""
+
+    @property
+    def workers(self) -> Mapping[str, bool]:
+        """The workers that are up, and whether each is busy."""
 
 
 def _store(request: Request) -> Store:

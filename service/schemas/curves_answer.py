@@ -4,7 +4,6 @@ Encoded by hand: 14,000 points of four numbers would take a validating model sec
 """
 
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
@@ -13,11 +12,8 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from service.comparison import Comparison, LabelledCurve, Panel, definition
 from service.curves import Floats
+from service.schemas.number import Numbers, numbers
 from service.schemas.run_answer import WeightsAnswer
-
-SIGNIFICANT_DIGITS = 9
-
-Numbers = list[float | None]
 
 
 class SeedAnswer(BaseModel):
@@ -126,14 +122,6 @@ def curves_json(sweep_id: str, comparison: Comparison, with_seeds: bool) -> byte
         "panels": [_panel(panel, with_seeds) for panel in comparison.panels],
     }
     return json.dumps(document, allow_nan=False, separators=(",", ":")).encode()
-
-
-def numbers(values: Floats) -> Numbers:
-    """Return values [n] rounded to nine significant digits, None where one is not finite."""
-    return [
-        float(f"{value:.{SIGNIFICANT_DIGITS}g}") if math.isfinite(value) else None
-        for value in values.tolist()
-    ]
 
 
 def _panel(panel: Panel, with_seeds: bool) -> Mapping[str, Any]:

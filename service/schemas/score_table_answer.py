@@ -10,6 +10,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from service.schemas.number import finite_or_none
 from service.schemas.run_answer import WeightsAnswer
 from service.score_table import Entry, ScoreTable
 
@@ -125,11 +126,6 @@ def score_table_csv(table: ScoreTable) -> str:
 def inert(text: str) -> str:
     """Return text as a spreadsheet shows it and never runs it: a formula gets a quote in front."""
     return f"'{text}" if text.startswith(FORMULA_STARTS) else text
-
-
-def finite_or_none(value: float) -> float | None:
-    """JSON has no NaN and no infinity."""
-    return value if math.isfinite(value) else None
 
 
 def _entry(entry: Entry | None) -> EntryAnswer | None:

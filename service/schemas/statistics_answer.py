@@ -5,8 +5,7 @@ from typing import Self
 from pydantic import BaseModel, ConfigDict, Field
 
 from service.paired_difference import PairedDifference
-from service.schemas.curves_answer import Numbers, numbers
-from service.schemas.score_table_answer import finite_or_none
+from service.schemas.number import Numbers, finite_or_none, numbers
 from service.score_statistics import Profile
 from service.stratified_bootstrap import RESAMPLES, Estimate
 from service.sweep_statistics import Improvement, LabelStatistics, SweepStatistics

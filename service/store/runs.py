@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from sqlalchemy import ColumnElement, Connection, Row, Select, select, update
+from sqlalchemy import ColumnElement, Connection, Row, Select, func, select, update
 
 from service.run import Attempt, Run, RunStatus
 from service.store import events
@@ -71,6 +71,19 @@ def history(connection: Connection, run_id: str) -> list[Attempt]:
         )
         for row in connection.execute(query)
     ]
+
+
+def count(connection: Connection) -> dict[str, int]:
+    """Return how many runs of all sweeps there are by status, every status named."""
+    query = select(runs.c.status, func.count()).group_by(runs.c.status)
+    counts = {status: number for status, number in connection.execute(query)}  # noqa: C416
+    return {status.value: counts.get(status.value, 0) for status in RunStatus}
+
+
+def count_attempts(connection: Connection) -> dict[str, int]:
+    """Return how many attempts of all runs there were by outcome."""
+    query = select(attempts.c.outcome, func.count()).group_by(attempts.c.outcome)
+    return {outcome: number for outcome, number in connection.execute(query)}  # noqa: C416
 
 
 def cancel(connection: Connection, run_id: str) -> Run:

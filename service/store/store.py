@@ -15,6 +15,7 @@ from sqlalchemy import Engine, text
 from algorithms.measurement import Measurement
 from service.claim import Claim
 from service.event import Event
+from service.metrics import MEASUREMENTS
 from service.run import Attempt, Run, RunStatus
 from service.run_curve import RunCurve
 from service.store import (
@@ -155,6 +156,16 @@ class Store:
         with self._readers.connect() as connection:
             return claims.waiting(connection)
 
+    def count_runs(self) -> dict[str, int]:
+        """Return how many runs of all sweeps there are by status, every status named."""
+        with self._readers.connect() as connection:
+            return runs.count(connection)
+
+    def count_attempts(self) -> dict[str, int]:
+        """Return how many attempts of all runs there were by outcome."""
+        with self._readers.connect() as connection:
+            return runs.count_attempts(connection)
+
     def cancelling_runs(self) -> set[str]:
         """Return the running runs whose workers are to stop them."""
         with self._readers.connect() as connection:
@@ -165,7 +176,9 @@ class Store:
 
         Returns the runs of the claim that go on; the worker is to stop training the others.
         """
-        return self._writer.write(lambda c: records.record(c, claim, progress))
+        held = self._writer.write(lambda c: records.record(c, claim, progress))
+        MEASUREMENTS.inc(len(progress.measurements))
+        return held
 
     def fail(self, claim: Claim, error: str, log_tail: str = "") -> None:
         """End what is left of the claim as failed: an error in code, which would happen again."""

@@ -14,6 +14,8 @@ from typing import Any, TypeVar
 from sqlalchemy import Connection, Engine
 from sqlalchemy.exc import SQLAlchemyError
 
+from service.metrics import WRITE_SECONDS
+
 Result = TypeVar("Result")
 Unit = Callable[[Connection], Any]
 Pending = tuple[Unit, Future[Any]]
@@ -36,11 +38,12 @@ class Writer:
     def write(self, unit: Callable[[Connection], Result]) -> Result:
         """Run the unit, wait until it is committed, and return what it returned or raise."""
         future: Future[Result] = Future()
-        with self._lock:
-            if self._is_closed:
-                raise RuntimeError("the store is closed")
-            self._units.put((unit, future))
-        return future.result()
+        with WRITE_SECONDS.time():
+            with self._lock:
+                if self._is_closed:
+                    raise RuntimeError("the store is closed")
+                self._units.put((unit, future))
+            return future.result()
 
     def close(self) -> None:
         """Commit what is queued, then stop."""

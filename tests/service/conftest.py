@@ -2,7 +2,7 @@
 
 import logging
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +40,7 @@ class FakeDispatcher:
     """A cluster that is ready, until a test says otherwise."""
 
     problem: str | None = None
+    workers: dict[str, bool] = field(default_factory=lambda: {"one": False, "two": True})
 
 
 @pytest.fixture(autouse=True, scope="session")

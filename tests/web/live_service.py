@@ -43,6 +43,7 @@ class ReadyDispatcher:
     """A cluster that is ready, and trains nothing."""
 
     problem: str | None = None
+    workers: dict[str, bool] = field(default_factory=dict)
 
 
 @dataclass
