@@ -71,6 +71,22 @@ OWN = {
         uses_weights=True,
         needs_reward_gradient=False,
     ),
+    "gd": Algorithm(
+        name="gd",
+        summary="Gradient ascent of the actor on whole episodes' returns, through the simulator",
+        builder="algorithms.gd:build",
+        config="algorithms.gd_config:GDConfig",
+        uses_weights=False,
+        needs_reward_gradient=True,
+    ),
+    "mpc": Algorithm(
+        name="mpc",
+        summary="Model-predictive control: iLQR with control limits in a receding horizon",
+        builder="algorithms.mpc:build",
+        config="algorithms.mpc_config:MPCConfig",
+        uses_weights=False,
+        needs_reward_gradient=True,
+    ),
 }
 
 

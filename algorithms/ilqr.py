@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from algorithms.ilqr_backward import (
+    LARGEST,
     Regularisation,
     backward,
     lower_level,
@@ -72,12 +73,17 @@ class Planner:
         self._window = (0, 0)
 
     def begin(self, start: int, stop: int, plans: Integers) -> None:
-        """Set out to improve steps start to stop - 1 of these plans."""
+        """Set out to improve steps start to stop - 1 of these plans.
+
+        Regularisation goes on from where a plan's last window left it; where none was enough, it
+        starts anew.
+        """
         self._window = (start, stop)
         self.is_active[:] = False
         self.is_active[plans] = True
-        self.regularisation.level[:] = 1.0
-        self.regularisation.growth[:] = 1.0
+        is_spent = self.regularisation.level > LARGEST
+        self.regularisation.level[is_spent] = 1.0
+        self.regularisation.growth[is_spent] = 1.0
 
     def keep(self, rows: list[int]) -> None:
         """Keep these plans only."""

@@ -11,7 +11,12 @@ import algorithms
 
 Curve = list[tuple[int, float, float]]
 TIMESTEPS = 1_600
-WEIGHTS = {"ddpg": (0.0, 0.0), "hybrid-ddpg": (0.1, 0.01), "hybrid-ddpg-cosine": (0.1, 0.01)}
+WEIGHTS = {
+    "ddpg": (0.0, 0.0),
+    "hybrid-ddpg": (0.1, 0.01),
+    "hybrid-ddpg-cosine": (0.1, 0.01),
+    "gd": (0.0, 0.0),
+}
 
 
 def curves(

@@ -1,0 +1,51 @@
+"""History: the measurements of one run on the grid of timesteps that all algorithms share."""
+
+from collections import deque
+from collections.abc import Mapping
+
+import numpy as np
+
+from algorithms.measurement import Measurement
+from algorithms.off_policy import HISTORY, MEASURE_EVERY
+
+
+class History:
+    """What one run was measured to earn.
+
+    Attributes:
+        seed: the run's.
+        count: measurements so far; the next is due at timestep `(count + 1) MEASURE_EVERY`.
+        returns: the latest `HISTORY` returns recorded, oldest first.
+        seconds: the run's share of its cohort's time.
+    """
+
+    def __init__(self, seed: int) -> None:
+        """Begin with none."""
+        self.seed = seed
+        self.count = 0
+        self.returns = deque[float](maxlen=HISTORY)
+        self.seconds = 0.0
+
+    def due(self, timestep: int) -> range:
+        """Numbers of the measurements due up to and including a timestep."""
+        return range(self.count + 1, timestep // MEASURE_EVERY + 1)
+
+    def record(self, return_mean: float) -> None:
+        """Take in what the run earns as it stands."""
+        self.returns.append(return_mean)
+
+    def measured(
+        self, *, updates: int, jacobians: int, diagnostics: Mapping[str, float]
+    ) -> Measurement:
+        """The next measurement, of what was last recorded."""
+        self.count += 1
+        return Measurement(
+            seed=self.seed,
+            timestep=self.count * MEASURE_EVERY,
+            return_mean=self.returns[-1],
+            return_history=float(np.mean(self.returns)),
+            updates=updates,
+            jacobians=jacobians,
+            seconds=self.seconds,
+            diagnostics=diagnostics,
+        )

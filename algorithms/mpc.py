@@ -1,0 +1,193 @@
+"""MPC: model-predictive control by iLQR in a receding horizon, for a cohort of runs.
+
+At time t of its one episode a run improves its plan for steps t to t + H - 1, does the first
+action of it, and moves on:
+
+    a_t .. a_{t+H-1}  <-  iLQR from  a_t .. a_{t+H-1}                  (algorithms.ilqr)
+    s_{t+1} = f(s_t, a_t)
+
+The whole episode is planned from the start, by one rollout of the initial actor that every learner
+of that seed begins with, in the state that its first episode begins in. So a plan that moves on
+takes in the next of that actor's actions, and nothing is made up.
+
+What is measured. A run simulates one episode, over and over, instead of many. Its curve is what the
+episode is predicted to earn: rewards collected, those of the plan, and those of the initial actions
+that remain after it. Whenever an action is done that prediction is made anew, and the curve at
+timestep k is the last prediction made before. `timestep` counts simulated steps, those of planning
+above all, every candidate of every line search: what another learner would have spent as many steps
+of its environment on. Jacobians are counted apart, as everywhere; simulating the initial actions
+again for the prediction's sake is evaluation, and not counted. `return_history` is the mean of the
+latest 100 predictions. A run ends with its episode, often long before `timesteps`; its last
+measurement is what the episode really earned.
+
+Time, for 16 runs on one core (AMD EPYC): see algorithms.presets.
+
+Source: Tassa, Mansard and Todorov (2014). Differences from their MPC: several iterations an action,
+until a plan has converged; regularisation goes on from action to action, as the plan does.
+"""
+
+import time
+from collections.abc import Collection, Sequence
+
+import numpy as np
+
+from algorithms import network
+from algorithms.history import History
+from algorithms.ilqr import Planner
+from algorithms.ilqr_episode import Episodes, replay, roll_out, window_return
+from algorithms.measurement import Divergence, Measurement
+from algorithms.mpc_config import MPCConfig
+from algorithms.network import Shape
+from algorithms.off_policy import MEASURE_EVERY
+from algorithms.policy import Policies, Policy
+from algorithms.rollout import start_states
+from algorithms.threads import one_thread
+from physics.environment import Environment
+from physics.randomness import generator
+
+
+class MPCLearner:
+    """A cohort of planned episodes on one task; see `algorithms.learner.Learner`.
+
+    Attributes:
+        timestep: simulated steps, the fewest of any run.
+    """
+
+    def __init__(
+        self, environment: Environment, seeds: Sequence[int], timesteps: int, config: MPCConfig
+    ) -> None:
+        """Roll the initial actors out."""
+        self._environment = environment
+        self._timesteps = timesteps
+        self._config = config
+        with one_thread():
+            episodes = first_plans(environment, seeds, config.hidden_units)
+        self._planner = Planner(environment, episodes)
+        self._planner.simulated[:] = episodes.ends
+        self._histories = [History(seed) for seed in seeds]
+        self._time = 0
+        self.timestep = 0
+        self._predict()
+        self._begin()
+
+    @property
+    def seeds(self) -> list[int]:
+        """The seeds still in training."""
+        return [history.seed for history in self._histories]
+
+    @property
+    def finished(self) -> bool:
+        """Whether nothing is left to do."""
+        return not self._histories
+
+    def advance(self) -> list[Measurement | Divergence]:
+        """Do one iteration of every plan, or the action they have come to."""
+        start, runs = time.perf_counter(), len(self._histories)
+        with one_thread():
+            if self._planner.is_active.any() and self._iterations < self._config.iterations:
+                self._planner.iterate()
+                self._iterations += 1
+                events = self._measure()
+            else:
+                events = self._act()
+        share = (time.perf_counter() - start) / runs
+        for history in self._histories:
+            history.seconds += share
+        self._leave()
+        return [*events]
+
+    def drop(self, seeds: Collection[int]) -> None:
+        """Stop these runs."""
+        self._keep([row for row, seed in enumerate(self.seeds) if seed not in seeds])
+
+    def _begin(self) -> None:
+        """Turn to the plans for the actions at this time."""
+        self._iterations = 0
+        self._stop = min(self._time + self._config.horizon, self._environment.horizon)
+        plans = np.flatnonzero(self._planner.episodes.ends > self._time)
+        self._planner.begin(self._time, self._stop, plans)
+
+    def _act(self) -> list[Measurement]:
+        """Do the actions at this time, and move the plans on by one step."""
+        episodes = self._planner.episodes
+        replay(self._environment, episodes, self._stop)
+        self._planner.simulated += episodes.ends > self._stop  # the step that a plan takes in
+        measured = self._measure()
+        self._time += 1
+        self._predict()
+        self._begin()
+        return measured + self._measure_ends()
+
+    def _predict(self) -> None:
+        """Record what each episode will earn, as things stand."""
+        episodes = self._planner.episodes
+        horizon = self._environment.horizon
+        for p, history in enumerate(self._histories):
+            history.record(window_return(episodes, p, 0, horizon))
+
+    def _measure(self) -> list[Measurement]:
+        """The measurements that have come due."""
+        simulated = np.minimum(self._planner.simulated, self._timesteps)
+        return [
+            self._measured(p)
+            for p, history in enumerate(self._histories)
+            for _ in history.due(int(simulated[p]))
+        ]
+
+    def _measure_ends(self) -> list[Measurement]:
+        """A last measurement of the episodes that are over."""
+        is_over = self._planner.episodes.ends <= self._time
+        return [
+            self._measured(p)
+            for p, history in enumerate(self._histories)
+            if is_over[p] and (history.count + 1) * MEASURE_EVERY <= self._timesteps
+        ]
+
+    def _measured(self, p: int) -> Measurement:
+        planner = self._planner
+        return self._histories[p].measured(
+            updates=int(planner.iterations[p]),
+            jacobians=int(planner.jacobians[p]),
+            diagnostics={
+                "actions": float(self._time),
+                "collected_return": window_return(planner.episodes, p, 0, self._time),
+                "regularisation": float(planner.regularisation.level[p]),
+            },
+        )
+
+    def _leave(self) -> None:
+        """Let the runs go whose episode is over, or which have used up their timesteps."""
+        planner = self._planner
+        self.timestep = int(min(planner.simulated.min(), self._timesteps))
+        stays = (planner.episodes.ends > self._time) & (planner.simulated < self._timesteps)
+        if not stays.all():
+            self._keep(np.flatnonzero(stays).tolist())
+
+    def _keep(self, rows: list[int]) -> None:
+        self._planner.keep(rows)
+        self._histories = [self._histories[row] for row in rows]
+
+
+def first_plans(environment: Environment, seeds: Sequence[int], hidden_units: int) -> Episodes:
+    """An episode of each seed's initial actor, which sees features as they are."""
+    shape = Shape(environment.feature_size, hidden_units, environment.action_size)
+    mean = np.zeros(shape.inputs, np.float32)
+    actors = [
+        Policy(network.initial(shape, generator(seed, "actor")), mean, np.ones_like(mean))
+        for seed in seeds
+    ]
+    policies = Policies(actors, shape)
+    starts = start_states(environment, [(seed, "episode", 0) for seed in seeds])
+    return roll_out(environment, starts, lambda states: policies.act(environment.features(states)))
+
+
+def build(
+    environment: Environment,
+    seeds: Sequence[int],
+    weights: tuple[float, float],
+    timesteps: int,
+    config: MPCConfig,
+) -> MPCLearner:
+    """A cohort of MPC runs, which have no use for weights."""
+    del weights
+    return MPCLearner(environment, seeds, timesteps, config)
