@@ -1,18 +1,21 @@
-"""Runs: those of a sweep, one of them, cancelling it, what it measured."""
+"""Runs: those of a sweep, one of them, its attempts, cancelling it."""
 
 from http import HTTPStatus
 from typing import Annotated
 
+import numpy as np
 from fastapi import APIRouter, Query, Request, Response
 from pydantic import Field
 
 from service.problems import ImpossibleMove
 from service.routes.context import TheRun, TheStore, TheSweep
 from service.run import RunStatus
+from service.schemas.number import numbers
 from service.schemas.page import Page, PageQuery, page_of, read_cursor
-from service.schemas.run_answer import RunAnswer
+from service.schemas.run_answer import AttemptAnswer, ListedRunAnswer, RunAnswer
 from service.schemas.sweep_request import Name
 from service.store.refusal import ImpossibleMoveError
+from service.store.run_order import By, RunOrder
 
 router = APIRouter(tags=["runs"])
 
@@ -23,6 +26,11 @@ class RunQuery(PageQuery):
     status: RunStatus | None = None
     algorithm: Name | None = None
     environment: Name | None = Field(default=None, description="Its exact name.")
+    sort: By = Field(default="made", description="Runs without the value come last.")
+    descending: bool = False
+    sparkline: int = Field(
+        default=0, ge=0, le=200, description="About so many points of return_mean with each run."
+    )
 
 
 @router.get("/sweeps/{sweep_id}/runs")
@@ -32,23 +40,35 @@ def list_runs(
     request: Request,
     response: Response,
     store: TheStore,
-) -> Page[RunAnswer]:
-    """List the runs of a sweep, in the order they were made."""
+) -> Page[ListedRunAnswer]:
+    """List the runs of a sweep, in the order they were made or by a value."""
     runs = store.list_runs(
         sweep.id,
         status=query.status,
         algorithm=query.algorithm,
         environment=query.environment,
+        order=RunOrder(query.sort, query.descending),
         after=read_cursor(query.after),
         limit=query.limit + 1,
     )
-    return page_of([RunAnswer.of(run) for run in runs], query.limit, request, response)
+    page = page_of([ListedRunAnswer.of(run) for run in runs], query.limit, request, response)
+    if query.sparkline:
+        outlines = store.return_outlines([run.id for run in page.items], query.sparkline)
+        for run in page.items:
+            run.sparkline = numbers(np.array(outlines.get(run.id, [])))
+    return page
 
 
 @router.get("/runs/{run_id}")
 def get_run(run: TheRun) -> RunAnswer:
     """Show a run."""
     return RunAnswer.of(run)
+
+
+@router.get("/runs/{run_id}/attempts")
+def list_attempts(run: TheRun, store: TheStore) -> list[AttemptAnswer]:
+    """List how often a run was claimed, and how each attempt ended, the first one first."""
+    return [AttemptAnswer.of(attempt) for attempt in store.attempts(run.id)]
 
 
 @router.post("/runs/{run_id}/cancel", status_code=HTTPStatus.ACCEPTED)

@@ -6,7 +6,8 @@ from typing import Any, Self
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from service.run import Run, RunStatus
+from service.run import Attempt, Run, RunStatus
+from service.schemas.number import Numbers
 
 
 class WeightsAnswer(BaseModel):
@@ -95,8 +96,46 @@ class RunAnswer(BaseModel):
                 "self": link,
                 "sweep": f"/api/v1/sweeps/{run.sweep_id}",
                 "measurements": f"{link}/measurements",
+                "attempts": f"{link}/attempts",
                 "cancel": f"{link}/cancel",
             },
+        )
+
+
+class ListedRunAnswer(RunAnswer):
+    """A run of a list."""
+
+    sparkline: Numbers | None = Field(
+        default=None, description="return_mean so far, thinned; the last one is the latest."
+    )
+
+
+class AttemptAnswer(BaseModel):
+    """One claim of a run by a worker, and how it ended."""
+
+    attempt: int
+    worker: str
+    outcome: str = Field(
+        description="running, succeeded, failed, diverged, cancelled, or lost (its worker was)."
+    )
+    error: str = Field(description="A traceback or a sentence; empty while all is well.")
+    log_tail: str = Field(description="The last lines that the worker printed.")
+    started_at: datetime
+    ended_at: datetime | None
+    fingerprint: Mapping[str, Any] | None
+
+    @classmethod
+    def of(cls, attempt: Attempt) -> Self:
+        """Show an attempt."""
+        return cls(
+            attempt=attempt.attempt,
+            worker=attempt.worker,
+            outcome=attempt.outcome,
+            error=attempt.error,
+            log_tail=attempt.log_tail,
+            started_at=as_time(attempt.started_at),
+            ended_at=None if attempt.ended_at is None else as_time(attempt.ended_at),
+            fingerprint=attempt.fingerprint,
         )
 
 

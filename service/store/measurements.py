@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import Column, Connection, Row, Select, select
+from sqlalchemy import Column, Connection, Row, Select, false, or_, select
 
 from algorithms.measurement import Measurement
 from service.run import RunStatus
@@ -109,6 +109,30 @@ def of_run(connection: Connection, run_id: str) -> list[Measurement]:
         )
         for row in connection.execute(query)
     ]
+
+
+def outlines(connection: Connection, run_ids: Sequence[str], points: int) -> dict[str, list[float]]:
+    """Return return_mean of each run, of every k-th measurement counted from the latest one."""
+    ids = {
+        row.number: run_name(row.id, row.ordinal)
+        for row in connection.execute(
+            select(runs.c.number, runs.c.ordinal, sweeps.c.id)
+            .join(sweeps, sweeps.c.number == runs.c.sweep_number)
+            .where(or_(false(), *(named(run_id) for run_id in run_ids)))
+        )
+    }
+    query = (
+        select(measurements.c.run_number, measurements.c.return_mean)
+        .where(measurements.c.run_number.in_(ids))
+        .order_by(measurements.c.run_number, measurements.c.timestep)
+    )
+    values: dict[int, list[float]] = {}
+    for number, value in _driver_rows(connection, query):
+        values.setdefault(number, []).append(math.nan if value is None else value)
+    return {
+        ids[number]: column[:: -math.ceil(len(column) / points)][::-1]
+        for number, column in values.items()
+    }
 
 
 def diagnostic_names(connection: Connection, sweep_id: str) -> list[str]:

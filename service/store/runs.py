@@ -2,12 +2,13 @@
 
 from typing import Any
 
-from sqlalchemy import ColumnElement, Connection, Row, Select, func, select, update
+from sqlalchemy import ColumnElement, Connection, Row, Select, false, func, select, update
 
 from service.run import Attempt, Run, RunStatus
 from service.store import events
 from service.store.column_types import now
 from service.store.refusal import ImpossibleMoveError, NotFoundError
+from service.store.run_order import RunOrder
 from service.store.tables import attempts, is_queued, is_running, runs, sweeps
 from workers.run_spec import RunSpec
 
@@ -33,11 +34,12 @@ def page(
     status: RunStatus | None,
     algorithm: str | None,
     environment: str | None,
+    order: RunOrder,
     after: str | None,
     limit: int,
 ) -> list[Run]:
-    """Return runs of a sweep in their order, from the one that follows the run named `after`."""
-    query = _select().where(sweeps.c.id == sweep_id).order_by(runs.c.ordinal).limit(limit)
+    """Return runs of a sweep in an order, from the one that follows the run named `after`."""
+    query = _select().where(sweeps.c.id == sweep_id).order_by(*order.keys()).limit(limit)
     if status is not None:
         query = query.where(runs.c.status == status)
     if algorithm is not None:
@@ -45,7 +47,9 @@ def page(
     if environment is not None:
         query = query.where(runs.c.environment == environment)
     if after is not None:
-        query = query.where(runs.c.ordinal > _ordinal(after))
+        keys = _select().with_only_columns(*order.keys()).where(named(after))
+        last = connection.execute(keys).one_or_none()
+        query = query.where(false() if last is None else order.after(last))
     return [_run(row) for row in connection.execute(query)]
 
 

@@ -31,6 +31,7 @@ from service.store import (
 from service.store.connection import connect
 from service.store.migration import upgrade
 from service.store.retry import RetryPolicy
+from service.store.run_order import AS_MADE, RunOrder
 from service.store.writer import Writer
 from service.sweep import Sweep
 from workers.progress import Progress
@@ -117,10 +118,11 @@ class Store:
         status: RunStatus | None = None,
         algorithm: str | None = None,
         environment: str | None = None,
+        order: RunOrder = AS_MADE,
         after: str | None = None,
         limit: int = 100,
     ) -> list[Run]:
-        """Return runs of a sweep in their order, from the one that follows the run `after`."""
+        """Return runs of a sweep in an order, from the one that follows the run `after`."""
         with self._readers.connect() as connection:
             return runs.page(
                 connection,
@@ -128,6 +130,7 @@ class Store:
                 status=status,
                 algorithm=algorithm,
                 environment=environment,
+                order=order,
                 after=after,
                 limit=limit,
             )
@@ -217,6 +220,11 @@ class Store:
         """
         with self._readers.connect() as connection:
             return measurements.curves(connection, sweep_id, metric, x)
+
+    def return_outlines(self, run_ids: Sequence[str], points: int) -> dict[str, list[float]]:
+        """Return about so many return_mean of each run, evenly spaced and the latest one last."""
+        with self._readers.connect() as connection:
+            return measurements.outlines(connection, run_ids, points)
 
     def diagnostic_names(self, sweep_id: str) -> list[str]:
         """Return the names of all diagnostics that runs of the sweep have measured."""

@@ -91,6 +91,56 @@ def test_pages_of_runs(client: TestClient) -> None:
     assert seen == [f"{sweep_id}-{ordinal}" for ordinal in range(6, 12)]
 
 
+@pytest.mark.parametrize(
+    ("query", "order"),
+    [
+        ("", [0, 1, 2, 3]),
+        ("descending=true", [3, 2, 1, 0]),
+        ("sort=return_mean", [1, 0, 2, 3]),
+        ("sort=return_mean&descending=true", [2, 0, 1, 3]),
+        ("sort=timestep&descending=true", [0, 1, 2, 3]),
+    ],
+)
+def test_runs_are_sorted_and_paged(
+    client: TestClient, store: Store, query: str, order: list[int]
+) -> None:
+    sweep_id = submitted(
+        client, changed(seeds=4, algorithms=[{"name": "ddpg"}], environments=["Pendulum"])
+    )
+    client.post(f"/api/v1/runs/{sweep_id}-3/cancel")
+    train(store, 5, lambda spec, timestep: [-2.0, -3.0, 5.0][spec.seed] * timestep)
+    url, seen = f"/api/v1/sweeps/{sweep_id}/runs?limit=1&{query}", []
+    while url:
+        response = client.get(url)
+        seen += [int(run["id"].rpartition("-")[2]) for run in response.json()["items"]]
+        link = response.headers.get("link", "")
+        url = link[1 : link.find(">")]
+    assert seen == order
+
+
+def test_sparklines_end_with_the_latest(client: TestClient, store: Store) -> None:
+    sweep_id = submitted(client, changed(seeds=1, environments=["Pendulum"]))
+    train(store, 5, lambda spec, timestep: float(timestep) if timestep < 4000 else math.nan)
+    url = f"/api/v1/sweeps/{sweep_id}/runs"
+    assert client.get(url).json()["items"][0]["sparkline"] is None
+    (first, _) = client.get(f"{url}?sparkline=3").json()["items"]
+    assert first["sparkline"] == [800.0, 2400.0, None]
+
+
+def test_attempts_say_how_they_ended(client: TestClient, store: Store) -> None:
+    sweep_id = submitted(client, changed(seeds=1, environments=["Pendulum"]))
+    url = f"/api/v1/runs/{sweep_id}-0/attempts"
+    assert client.get(url).json() == []
+    claim = store.claim_cohort("worker", 60.0)
+    assert claim is not None
+    store.fail(claim, "ValueError: no", "the last line")
+    (attempt,) = client.get(url).json()
+    assert attempt["outcome"] == "failed"
+    assert (attempt["worker"], attempt["error"]) == ("worker", "ValueError: no")
+    assert attempt["log_tail"] == "the last line"
+    assert attempt["started_at"] <= attempt["ended_at"]
+
+
 def test_cancelling_one_run(client: TestClient, store: Store) -> None:
     sweep_id = submitted(client, changed(seeds=2, algorithms=[{"name": "ddpg"}]))
     for _ in range(2):
@@ -115,7 +165,7 @@ def test_cancelling_a_running_run_says_so(client: TestClient, store: Store) -> N
 
 
 @pytest.mark.parametrize("run_id", ["nope", f"{'0' * 12}-0", "x-y-z", "%00", "0" * 999, "a-1e3"])
-@pytest.mark.parametrize("part", ["", "/measurements"])
+@pytest.mark.parametrize("part", ["", "/measurements", "/attempts"])
 def test_an_unknown_run_is_not_found(idle_client: TestClient, run_id: str, part: str) -> None:
     assert idle_client.get(f"/api/v1/runs/{run_id}{part}").status_code == 404
 
