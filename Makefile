@@ -11,9 +11,10 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 PIP    := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 PYTEST := $(BIN)/python -m pytest
+SUDO   := $(shell test "$$(id -u)" = 0 || echo sudo)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-slow check fast cluster browser bench format clean
+.PHONY: help demo test test-slow check postgresql fast cluster browser bench format clean
 
 help:
 	@sed -n '3,8s/^# \{0,1\}//p' Makefile
@@ -53,7 +54,11 @@ check: $(VENV)/installed-dev
 	@$(BIN)/mypy
 	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/lint-imports
 
-fast: $(VENV)/installed-dev
+postgresql:
+	@ls /usr/lib/postgresql/*/bin/initdb >/dev/null 2>&1 || { echo "   installing Debian's postgresql"; \
+	  $(SUDO) apt-get update -qq && $(SUDO) apt-get install -y -qq postgresql >/dev/null; }
+
+fast: $(VENV)/installed-dev postgresql
 	@echo "== Tests: fast"
 	@$(PYTEST) -m "not slow and not cluster and not browser"
 
@@ -64,11 +69,10 @@ cluster: $(VENV)/installed-dev
 browser: $(VENV)/installed-dev
 	@echo "== Tests: in a real Chromium"
 	@command -v chromium >/dev/null || { echo "   installing Debian's chromium"; \
-	  SUDO=$$(test "$$(id -u)" = 0 || echo sudo); \
-	  $$SUDO apt-get update -qq && $$SUDO apt-get install -y -qq chromium >/dev/null; }
+	  $(SUDO) apt-get update -qq && $(SUDO) apt-get install -y -qq chromium >/dev/null; }
 	@$(PYTEST) -m "browser and not slow"
 
-test-slow: $(VENV)/installed-dev
+test-slow: $(VENV)/installed-dev postgresql
 	@echo "== Tests: slow (minutes)"
 	@$(PYTEST) -m slow --timeout 3600
 

@@ -40,7 +40,7 @@ class Exact(TypeDecorator[float]):
 
 
 class Document(TypeDecorator[Mapping[str, Any]]):
-    """A JSON object as text, its keys in the order they came."""
+    """A JSON object as ASCII text, its keys in the order they came."""
 
     impl = Text
     cache_ok = True
@@ -48,7 +48,7 @@ class Document(TypeDecorator[Mapping[str, Any]]):
     def process_bind_param(self, value: Mapping[str, Any] | None, dialect: Dialect) -> str | None:
         """Write it; NaN and infinities are refused, JSON has none."""
         del dialect
-        return None if value is None else json.dumps(value, ensure_ascii=False, allow_nan=False)
+        return None if value is None else json.dumps(value, allow_nan=False)
 
     def process_result_value(self, value: str | None, dialect: Dialect) -> Any:
         """Read it."""
@@ -57,7 +57,10 @@ class Document(TypeDecorator[Mapping[str, Any]]):
 
 
 class now(FunctionElement[float]):  # noqa: N801  (reads as the SQL function it is)
-    """Seconds since 1970 by the database's clock: the one clock that leases are kept by."""
+    """Seconds since 1970 by the database's clock: the one clock that leases are kept by.
+
+    It stands still within a statement.
+    """
 
     type = Double()
     inherit_cache = True
@@ -72,4 +75,4 @@ def _sqlite_now(element: now, compiler: SQLCompiler, **_: Any) -> str:
 @compiles(now, "postgresql")
 def _postgresql_now(element: now, compiler: SQLCompiler, **_: Any) -> str:
     del element, compiler
-    return "extract(epoch from clock_timestamp())::double precision"
+    return "extract(epoch from statement_timestamp())::double precision"

@@ -4,20 +4,28 @@ SQLite before 3.51.3 can lose commits or corrupt a database in WAL mode that has
 (the WAL-reset bug, sqlite.org/wal.html#walresetbug); it is refused. `synchronous=FULL` makes a
 commit survive a power cut. A writing transaction takes its lock as it begins (`BEGIN IMMEDIATE`):
 one that began as a reader could fail at its first write whatever `busy_timeout` says.
+
+On PostgreSQL the writer's session holds an advisory lock: there is one writer a database, and when
+it has had to connect anew, nothing that it began before is still under way. Readers see one
+snapshot a transaction, as they do on SQLite.
 """
 
+from importlib.util import find_spec
 from typing import Any, Literal
 
 import pysqlite3.dbapi2
 from sqlalchemy import URL, Connection, Engine, create_engine, event, make_url
 from sqlalchemy.pool import ConnectionPoolEntry
 
-from service.store.refusal import UnsafeSQLiteError
+from service.store.refusal import DatabaseInUseError, MissingDriverError, UnsafeSQLiteError
 
 SAFE_SQLITE = (3, 51, 3)
 SAFE_BACKPORTS = {(3, 44): 6, (3, 50): 7}  # minor version -> first safe patch
 BUSY_TIMEOUT_MS = 10_000
 READERS = 16
+CONNECT_SECONDS = 5
+WRITER_LOCK = 0x64337067  # any number, the same for every version of this service
+LOCK_NOT_AVAILABLE = "55P03"
 
 Role = Literal["writer", "reader"]
 
@@ -25,14 +33,14 @@ Role = Literal["writer", "reader"]
 def connect(url: str, role: Role) -> Engine:
     """Make the engine of one role. The writer's holds one connection; a reader's cannot write.
 
-    Raises UnsafeSQLiteError for a SQLite that can corrupt the database.
+    Raises UnsafeSQLiteError for a SQLite that can corrupt the database, MissingDriverError where
+    psycopg is not installed; the writer's, as it connects, DatabaseInUseError.
     """
     address = make_url(url)
     size = {"pool_size": 1 if role == "writer" else READERS, "max_overflow": 0}
     if address.get_backend_name() == "sqlite":
         return _connect_sqlite(address, role, size)
-    options = "" if role == "writer" else "-c default_transaction_read_only=on"
-    return create_engine(address, connect_args={"options": options}, pool_pre_ping=True, **size)
+    return _connect_postgresql(address, role, size)
 
 
 def check_sqlite(version: tuple[int, int, int]) -> None:
@@ -74,3 +82,40 @@ def _connect_sqlite(address: URL, role: Role, size: dict[str, int]) -> Engine:
         connection.exec_driver_sql(begin)
 
     return engine
+
+
+def _connect_postgresql(address: URL, role: Role, size: dict[str, int]) -> Engine:
+    if find_spec("psycopg") is None:
+        raise MissingDriverError("PostgreSQL needs psycopg: pip install 'd3pg[postgres]'")
+    options = {
+        "writer": "-c synchronous_commit=on",
+        "reader": "-c default_transaction_read_only=on "
+        "-c default_transaction_isolation=repeatable\\ read",
+    }
+    engine = create_engine(
+        address.set(drivername="postgresql+psycopg"),
+        connect_args={"options": options[role], "connect_timeout": CONNECT_SECONDS},
+        **size,
+    )
+    if role == "writer":
+        event.listen(engine, "connect", _lock)
+    return engine
+
+
+def _lock(connection: Any, entry: ConnectionPoolEntry) -> None:
+    """Take the lock that goes with the session; one that has just ended may hold it a moment."""
+    del entry
+    cursor = connection.cursor()
+    try:
+        cursor.execute(f"SET lock_timeout = '{CONNECT_SECONDS}s'")
+        cursor.execute("SELECT pg_advisory_lock(%s)", (WRITER_LOCK,))
+        cursor.execute("SET lock_timeout = 0")
+        connection.commit()
+    except Exception as error:
+        connection.close()
+        if getattr(error, "sqlstate", None) != LOCK_NOT_AVAILABLE:
+            raise
+        raise DatabaseInUseError(
+            "another service works on this database: stop it, or choose another database with "
+            "D3PG_DATABASE_URL (--database-url)"
+        ) from None

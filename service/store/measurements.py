@@ -58,7 +58,7 @@ def _insert(connection: Connection, fresh: Mapping[tuple[int, int], Measurement]
     """Write rows straight through the driver, which takes a third of the time."""
     set_numbers = {
         names: diagnostics.set_number(connection, names)
-        for names in {tuple(measurement.diagnostics) for measurement in fresh.values()}
+        for names in dict.fromkeys(tuple(each.diagnostics) for each in fresh.values())
     }
     rows = [
         (
@@ -143,6 +143,7 @@ def diagnostic_names(connection: Connection, sweep_id: str) -> list[str]:
         .join(sweeps, sweeps.c.number == runs.c.sweep_number)
         .where(sweeps.c.id == sweep_id)
         .distinct()
+        .order_by(measurements.c.diagnostic_set)
     )
     names = diagnostics.sets(connection)
     return list(

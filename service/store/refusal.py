@@ -11,3 +11,11 @@ class ImpossibleMoveError(ValueError):
 
 class UnsafeSQLiteError(RuntimeError):
     """This SQLite can corrupt the database."""
+
+
+class MissingDriverError(RuntimeError):
+    """What talks to this kind of database is not installed."""
+
+
+class DatabaseInUseError(RuntimeError):
+    """Another service works on this database."""

@@ -4,13 +4,16 @@ Promises. Safe from any thread. Every method is one transaction: all of it happe
 what a method returned has survived a power cut. A crash leaves the last committed state. Final
 states never change, and a write under a claim that was given up changes nothing. Every change
 appends its event in the same transaction. Floats come back as they went in (see
-`column_types.Exact`), NaN and infinities too.
+`column_types.Exact`), NaN and infinities too. A database that restarts is waited for (`outage`):
+what was under way then happens once, and late.
+
+One store writes to a database: a second is refused (on SQLite by the lock on the data directory).
 """
 
 from collections.abc import Mapping, Sequence
 from typing import Any, Self
 
-from sqlalchemy import Engine, text
+from sqlalchemy import Connection, Engine, text
 
 from algorithms.measurement import Measurement
 from service.claim import Claim
@@ -30,6 +33,7 @@ from service.store import (
 )
 from service.store.connection import connect
 from service.store.migration import upgrade
+from service.store.reader import Reader
 from service.store.retry import RetryPolicy
 from service.store.run_order import AS_MADE, RunOrder
 from service.store.writer import Writer
@@ -45,7 +49,7 @@ class Store:
     def __init__(self, writer_engine: Engine, reader_engine: Engine, retry: RetryPolicy) -> None:
         """Start the writer's thread on tables that are this version's."""
         self._writer_engine = writer_engine
-        self._readers = reader_engine
+        self._reader = Reader(reader_engine)
         self._retry = retry
         self._writer = Writer(writer_engine)
 
@@ -59,13 +63,12 @@ class Store:
     def close(self) -> None:
         """Commit what is queued and let go of the database."""
         self._writer.close()
-        self._readers.dispose()
+        self._reader.close()
         self._writer_engine.dispose()
 
     def check(self) -> None:
         """Read something; raises what the database raises when it cannot."""
-        with self._readers.connect() as connection:
-            connection.execute(text("SELECT 1 FROM runs LIMIT 1")).all()
+        self._reader.read(lambda c: c.execute(text("SELECT 1 FROM runs LIMIT 1")).all())
 
     # ---- sweeps and runs
 
@@ -94,13 +97,11 @@ class Store:
 
     def find_sweep(self, sweep_id: str) -> Sweep | None:
         """Return one sweep, or None."""
-        with self._readers.connect() as connection:
-            return sweeps.find(connection, sweep_id)
+        return self._reader.read(lambda c: sweeps.find(c, sweep_id))
 
     def list_sweeps(self, after: str | None = None, limit: int = 50) -> list[Sweep]:
         """Return sweeps, newest first, from the one that follows the sweep `after`."""
-        with self._readers.connect() as connection:
-            return sweeps.page(connection, after, limit)
+        return self._reader.read(lambda c: sweeps.page(c, after, limit))
 
     def cancel_sweep(self, sweep_id: str) -> Sweep:
         """Cancel what has not ended. Raises NotFoundError, ImpossibleMoveError."""
@@ -108,8 +109,7 @@ class Store:
 
     def find_run(self, run_id: str) -> Run | None:
         """Return one run, or None."""
-        with self._readers.connect() as connection:
-            return runs.find(connection, run_id)
+        return self._reader.read(lambda c: runs.find(c, run_id))
 
     def list_runs(
         self,
@@ -123,9 +123,9 @@ class Store:
         limit: int = 100,
     ) -> list[Run]:
         """Return runs of a sweep in an order, from the one that follows the run `after`."""
-        with self._readers.connect() as connection:
-            return runs.page(
-                connection,
+        return self._reader.read(
+            lambda c: runs.page(
+                c,
                 sweep_id,
                 status=status,
                 algorithm=algorithm,
@@ -134,6 +134,7 @@ class Store:
                 after=after,
                 limit=limit,
             )
+        )
 
     def cancel_run(self, run_id: str) -> Run:
         """Cancel a run. Raises NotFoundError, ImpossibleMoveError."""
@@ -141,8 +142,7 @@ class Store:
 
     def attempts(self, run_id: str) -> list[Attempt]:
         """Return every attempt of a run, the first one first."""
-        with self._readers.connect() as connection:
-            return runs.history(connection, run_id)
+        return self._reader.read(lambda c: runs.history(c, run_id))
 
     # ---- the queue
 
@@ -156,23 +156,19 @@ class Store:
 
     def waiting_runs(self) -> int:
         """Return how many runs could be claimed now."""
-        with self._readers.connect() as connection:
-            return claims.waiting(connection)
+        return self._reader.read(claims.waiting)
 
     def count_runs(self) -> dict[str, int]:
         """Return how many runs of all sweeps there are by status, every status named."""
-        with self._readers.connect() as connection:
-            return runs.count(connection)
+        return self._reader.read(runs.count)
 
     def count_attempts(self) -> dict[str, int]:
         """Return how many attempts of all runs there were by outcome."""
-        with self._readers.connect() as connection:
-            return runs.count_attempts(connection)
+        return self._reader.read(runs.count_attempts)
 
     def cancelling_runs(self) -> set[str]:
         """Return the running runs whose workers are to stop them."""
-        with self._readers.connect() as connection:
-            return runs.cancelling(connection)
+        return self._reader.read(runs.cancelling)
 
     def record(self, claim: Claim, progress: Progress) -> set[str]:
         """Write what a worker said, renew the lease, end runs that ended by themselves.
@@ -200,17 +196,15 @@ class Store:
 
     def lose_expired(self) -> int:
         """Do as `lose` with every run whose lease has ended; return how many there were."""
-        with self._readers.connect() as connection:  # usually none: then nothing is written
-            if not claims.has_expired(connection):
-                return 0
+        if not self._reader.read(claims.has_expired):  # usually: then nothing is written
+            return 0
         return self._writer.write(lambda c: endings.lose_expired(c, self._retry))
 
     # ---- what was measured
 
     def measurements(self, run_id: str) -> list[Measurement]:
         """Return every measurement of a run, in order of timestep."""
-        with self._readers.connect() as connection:
-            return measurements.of_run(connection, run_id)
+        return self._reader.read(lambda c: measurements.of_run(c, run_id))
 
     def curve_points(self, sweep_id: str, metric: str, x: str = "timesteps") -> list[RunCurve]:
         """Return one metric of every run of a sweep.
@@ -218,18 +212,15 @@ class Store:
         metric is "return_mean", "return_history" or a diagnostic's name; x is "timesteps",
         "updates", "jacobians" or "seconds" (ValueError otherwise).
         """
-        with self._readers.connect() as connection:
-            return measurements.curves(connection, sweep_id, metric, x)
+        return self._reader.read(lambda c: measurements.curves(c, sweep_id, metric, x))
 
     def return_outlines(self, run_ids: Sequence[str], points: int) -> dict[str, list[float]]:
         """Return about so many return_mean of each run, evenly spaced and the latest one last."""
-        with self._readers.connect() as connection:
-            return measurements.outlines(connection, run_ids, points)
+        return self._reader.read(lambda c: measurements.outlines(c, run_ids, points))
 
     def diagnostic_names(self, sweep_id: str) -> list[str]:
         """Return the names of all diagnostics that runs of the sweep have measured."""
-        with self._readers.connect() as connection:
-            return measurements.diagnostic_names(connection, sweep_id)
+        return self._reader.read(lambda c: measurements.diagnostic_names(c, sweep_id))
 
     def record_random_return(self, measured: RandomReturn) -> None:
         """Write the random return of one environment version."""
@@ -237,8 +228,7 @@ class Store:
 
     def random_returns(self) -> dict[tuple[str, int], RandomReturn]:
         """Return every random return by (environment, version)."""
-        with self._readers.connect() as connection:
-            return random_returns.of_all(connection)
+        return self._reader.read(random_returns.of_all)
 
     # ---- events
 
@@ -246,17 +236,18 @@ class Store:
         self, event_id: int, sweep_id: str | None = None, limit: int = 1000
     ) -> list[Event]:
         """Return the oldest events after one, of one sweep or of all."""
-        with self._readers.connect() as connection:
-            return events.after(connection, event_id, sweep_id, limit)
+        return self._reader.read(lambda c: events.after(c, event_id, sweep_id, limit))
 
     def last_event_id(self) -> int:
         """Return the newest event's id, 0 when there is none."""
-        with self._readers.connect() as connection:
-            return events.last_id(connection)
+        return self._reader.read(events.last_id)
 
     def sweep_version(self, sweep_id: str) -> str | None:
         """Return a text that changes with whatever is shown of a sweep; None: no such sweep."""
-        with self._readers.connect() as connection:
+
+        def version(connection: Connection) -> str | None:
             last = events.last_id_of(connection, sweep_id)
             zeros = random_returns.last_measured_at(connection)
-        return None if last is None else f"{last}-{zeros!r}"
+            return None if last is None else f"{last}-{zeros!r}"
+
+        return self._reader.read(version)

@@ -4,6 +4,7 @@
                     1-* measurements *-1 diagnostic_sets
     events         what changed, in order; what the event stream reads
     random_returns what uniform random actions earn, per environment version
+    last_commit    one row: the name of the latest commit
 
 A run's name is "<sweep>-<ordinal>"; inside, rows are joined by integers. Times are float64 seconds
 since 1970 by the database's clock.
@@ -53,6 +54,8 @@ sweeps = Table(
     Column("created_at", Double, nullable=False, default=now()),
     Column("last_claimed_at", Double, nullable=False, default=0.0),
     Column("cancelled_at", Double),
+    Column("paused_at", Double),
+    Column("submission_key", Text, unique=True, index=True),
     sqlite_autoincrement=True,
 )
 
@@ -168,3 +171,5 @@ random_returns = Table(
     Column("episodes", Integer, nullable=False),
     Column("measured_at", Double, nullable=False, default=now()),
 )
+
+last_commit = Table("last_commit", metadata, Column("name", Text, primary_key=True))

@@ -2,12 +2,14 @@
 
 Units of work queue up while a commit is under way and are committed together by the next one
 (group commit), each inside its own savepoint: a unit that refuses is rolled back alone. A unit's
-result is given out after the commit that makes it durable, never before.
+result is given out after the commit that makes it durable, never before. A commit whose answer was
+lost with the connection is neither repeated nor forgotten.
 """
 
 import queue
+import secrets
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from typing import Any, TypeVar
 
@@ -15,6 +17,8 @@ from sqlalchemy import Connection, Engine
 from sqlalchemy.exc import SQLAlchemyError
 
 from service.metrics import WRITE_SECONDS
+from service.store import last_commit
+from service.store.outage import PATIENCE_SECONDS, outlasting
 
 Result = TypeVar("Result")
 Unit = Callable[[Connection], Any]
@@ -64,30 +68,52 @@ class Writer:
                 group.append(another)
             self._commit(group)
 
-    def _commit(self, group: list[Pending]) -> None:
+    def _commit(self, pending: list[Pending]) -> None:
         """Commit a group. Where the database itself failed one unit, each goes alone.
 
         A database error can end the whole transaction (SQLite rolls it back when the disk is
         full), so nothing may be kept of the group: not the units before it either.
         """
-        outcomes: list[tuple[Future[Any], Any, Exception | None]] = []
-        has_run = False
+        group = _Group(pending)
         try:
-            with self._engine.begin() as connection:
-                for unit, future in group:
-                    outcomes.append((future, *_attempt(connection, unit)))
-                has_run = True
+            patience = 0.0 if self._is_closed else PATIENCE_SECONDS
+            outlasting(lambda: group.commit(self._engine), patience)
         except Exception as error:
-            if not has_run and len(group) > 1:
-                for alone in group:
+            if not group.has_run and len(pending) > 1:
+                for alone in pending:
                     self._commit([alone])
                 return
-            outcomes = [(future, None, error) for _, future in group]
-        for future, result, refusal in outcomes:
+            group.outcomes = [(None, error)] * len(pending)
+        for (_, future), (result, refusal) in zip(pending, group.outcomes, strict=True):
             if refusal is None:
                 future.set_result(result)
             else:
                 future.set_exception(refusal)
+
+
+class _Group:
+    """Units that are committed together.
+
+    `commit` can be called again after the connection was lost: the group's name tells whether the
+    commit under way then has happened. No older one still can, for whoever holds the writer's
+    connection holds it alone.
+    """
+
+    def __init__(self, pending: Sequence[Pending]) -> None:
+        self.outcomes: list[tuple[Any, Exception | None]] = []
+        self.has_run = False
+        self._units = [unit for unit, _ in pending]
+        self._name = secrets.token_hex(8)
+
+    def commit(self, engine: Engine) -> None:
+        """Run the units in one transaction, unless it has been committed already."""
+        with engine.begin() as connection:
+            if self.has_run and last_commit.name(connection) == self._name:
+                return
+            self.has_run = False
+            self.outcomes = [_attempt(connection, unit) for unit in self._units]
+            last_commit.note(connection, self._name)
+            self.has_run = True
 
 
 def _attempt(connection: Connection, unit: Unit) -> tuple[Any, Exception | None]:

@@ -1,9 +1,11 @@
 """Is the process there; can it work."""
 
+from collections.abc import Callable
 from typing import Any
 
 import pytest
 from fastapi import FastAPI
+from sqlalchemy import Connection
 from starlette.testclient import TestClient
 
 from service.store.store import Store
@@ -33,16 +35,16 @@ def test_a_cluster_that_starts_is_said_to(client: TestClient, dispatcher: FakeDi
     assert checks(response.json())["cluster"] == "the cluster is starting"
 
 
+def drop(table: str) -> Callable[[Connection], object]:
+    return lambda connection: connection.exec_driver_sql(f"DROP TABLE {table}")
+
+
 def test_a_database_that_fails_is_said_to(
     app: FastAPI, client: TestClient, store: Store, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     del app
-    with store._readers.connect() as connection:
-        connection.exec_driver_sql("PRAGMA query_only=OFF")
-        connection.exec_driver_sql("DROP TABLE measurements")
-        connection.exec_driver_sql("DROP TABLE attempts")
-        connection.exec_driver_sql("DROP TABLE runs")
-        connection.commit()
+    for table in ("measurements", "attempts", "runs"):
+        store._writer.write(drop(table))
     response = client.get("/readyz")
     assert response.status_code == 503
     assert "no such table" in (checks(response.json())["database"] or "")

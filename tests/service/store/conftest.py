@@ -9,13 +9,17 @@ import pytest
 from algorithms.measurement import Measurement
 from service.store.retry import RetryPolicy
 from service.store.store import Store
+from service.store.tables import metadata
 from service.sweep import Sweep
+from tests.service.store.postgresql import PostgreSQL, running_postgresql
 from workers.run_spec import RunSpec
 
-BACKENDS = ("sqlite",)
+BACKENDS = ("sqlite", "postgresql")
 AT_ONCE = RetryPolicy(losses=3, first_wait_seconds=0.0)
 
 Submit = Callable[..., Sweep]
+Fresh = Callable[..., str]
+"""`fresh(n)` empties the n-th database, the first one if unsaid, and returns its address."""
 
 
 @pytest.fixture(scope="session")
@@ -26,12 +30,52 @@ def migrated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.fixture(scope="session")
+def postgresql() -> Iterator[PostgreSQL]:
+    """A server for the whole session."""
+    with running_postgresql() as server:
+        yield server
+
+
+@pytest.fixture
+def fresh_sqlite(migrated: Path, tmp_path: Path) -> Fresh:
+    """Empty SQLite databases."""
+
+    def empty(number: int = 0) -> str:
+        path = tmp_path / f"d3pg-{number}.sqlite"
+        for leftover in tmp_path.glob(f"{path.name}-*"):
+            leftover.unlink()
+        shutil.copy(migrated, path)
+        return f"sqlite:///{path}"
+
+    return empty
+
+
+@pytest.fixture
+def fresh_postgresql(postgresql: PostgreSQL) -> Fresh:
+    """Empty databases of the server, which keeps them: making one takes longer."""
+
+    def empty(number: int = 0) -> str:
+        name = f"d3pg_{number}"
+        if name not in postgresql.databases:
+            Store.open(postgresql.create(name)).close()
+        postgresql.execute(f"TRUNCATE {', '.join(metadata.tables)} RESTART IDENTITY", name)
+        return postgresql.url(name)
+
+    return empty
+
+
 @pytest.fixture(params=BACKENDS)
-def url(migrated: Path, tmp_path: Path) -> str:
+def fresh(request: pytest.FixtureRequest) -> Fresh:
+    """Empty databases of each backend in turn."""
+    make: Fresh = request.getfixturevalue(f"fresh_{request.param}")
+    return make
+
+
+@pytest.fixture
+def url(fresh: Fresh) -> str:
     """The address of an empty database."""
-    path = tmp_path / "d3pg.sqlite"
-    shutil.copy(migrated, path)
-    return f"sqlite:///{path}"
+    return fresh()
 
 
 @pytest.fixture

@@ -5,12 +5,9 @@ state machine drives a store beside a plain model of what must be in it; claims 
 were given up, and their writers go on writing.
 """
 
-import shutil
-import tempfile
 from dataclasses import dataclass, field
-from functools import cache
-from pathlib import Path
 
+import pytest
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import (
@@ -22,6 +19,7 @@ from hypothesis.stateful import (
     invariant,
     multiple,
     rule,
+    run_state_machine_as_test,
 )
 
 from algorithms.measurement import Divergence
@@ -29,20 +27,12 @@ from service.claim import Claim
 from service.run import RunStatus
 from service.store.refusal import ImpossibleMoveError
 from service.store.store import Store
-from tests.service.store.conftest import AT_ONCE, measured
+from tests.service.store.conftest import AT_ONCE, Fresh, measured
 from workers.progress import Progress
 from workers.run_spec import RunSpec
 
 TIMESTEPS = 8000
 OVER = -1.0
-
-
-@cache
-def migrated() -> Path:
-    """An empty database, to copy: migrating takes longer."""
-    path = Path(tempfile.mkdtemp()) / "empty.sqlite"
-    Store.open(f"sqlite:///{path}").close()
-    return path
 
 
 @dataclass
@@ -61,17 +51,17 @@ class StoreMachine(RuleBasedStateMachine):
 
     claims: Bundle[Claim] = Bundle("claims")
 
+    def __init__(self, fresh: Fresh) -> None:
+        super().__init__()
+        self.url = fresh()
+
     @initialize()
     def open(self) -> None:
-        self.folder = Path(tempfile.mkdtemp())
-        self.url = f"sqlite:///{self.folder / 'd3pg.sqlite'}"
-        shutil.copy(migrated(), self.folder / "d3pg.sqlite")
         self.store = Store.open(self.url, AT_ONCE)
         self.runs: dict[str, Expected] = {}
 
     def teardown(self) -> None:
         self.store.close()
-        shutil.rmtree(self.folder)
 
     def held(self, claim: Claim) -> list[str]:
         """The runs of a claim that are still its own."""
@@ -238,5 +228,21 @@ class StoreMachine(RuleBasedStateMachine):
         }
 
 
-StoreMachine.TestCase.settings = settings(max_examples=15, stateful_step_count=20, deadline=None)
-TestStoreInAnyOrder = StoreMachine.TestCase
+def drive(fresh: Fresh, examples: int) -> None:
+    run_state_machine_as_test(
+        lambda: StoreMachine(fresh),
+        settings=settings(max_examples=examples, stateful_step_count=20, deadline=None),
+    )
+
+
+def test_sqlite_in_any_order(fresh_sqlite: Fresh) -> None:
+    drive(fresh_sqlite, examples=15)
+
+
+def test_postgresql_in_any_order(fresh_postgresql: Fresh) -> None:
+    drive(fresh_postgresql, examples=3)
+
+
+@pytest.mark.slow
+def test_in_any_order_at_length(fresh: Fresh) -> None:
+    drive(fresh, examples=200)

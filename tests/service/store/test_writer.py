@@ -10,6 +10,7 @@ from sqlalchemy import Connection, Engine, event, text
 from sqlalchemy.exc import IntegrityError, OperationalError
 
 from service.store.connection import connect
+from service.store.tables import last_commit
 from service.store.writer import Writer
 
 Unit = Callable[[Connection], int]
@@ -20,6 +21,7 @@ def engine(tmp_path: Path) -> Iterator[Engine]:
     opened = connect(f"sqlite:///{tmp_path / 'numbers.sqlite'}", "writer")
     with opened.begin() as connection:
         connection.execute(text("CREATE TABLE numbers (value INTEGER PRIMARY KEY)"))
+        last_commit.create(connection)
     yield opened
     opened.dispose()
 
@@ -129,6 +131,33 @@ def test_nothing_is_acknowledged_when_the_commit_fails(writer: Writer, engine: E
     event.remove(engine, "commit", fail)
     assert numbers(engine) == set()
     assert writer.write(put(2)) == 2
+
+
+def lose_connection(engine: Engine, *, committed: bool) -> None:
+    """Have the next commit lose its connection, after or before it has happened."""
+
+    @event.listens_for(engine, "commit", once=True)
+    def lose(connection: Connection) -> None:
+        if committed:
+            connection.exec_driver_sql("COMMIT")
+        lost = Exception("server closed the connection unexpectedly")
+        raise OperationalError("COMMIT", {}, lost, connection_invalidated=True)
+
+
+@pytest.mark.parametrize("committed", [False, True])
+def test_a_commit_whose_answer_was_lost_happens_once(
+    writer: Writer, engine: Engine, committed: bool
+) -> None:
+    with engine.begin() as connection:
+        connection.execute(text("CREATE TABLE log (value INTEGER)"))
+
+    def append(connection: Connection) -> int:
+        connection.execute(text("INSERT INTO log VALUES (1)"))
+        return len(connection.execute(text("SELECT * FROM log")).all())
+
+    lose_connection(engine, committed=committed)
+    assert writer.write(append) == 1
+    assert writer.write(append) == 2
 
 
 def test_close_commits_what_is_queued(engine: Engine) -> None:
