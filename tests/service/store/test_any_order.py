@@ -51,9 +51,9 @@ class StoreMachine(RuleBasedStateMachine):
 
     claims: Bundle[Claim] = Bundle("claims")
 
-    def __init__(self, fresh: Fresh) -> None:
+    def __init__(self, url: str) -> None:
         super().__init__()
-        self.url = fresh()
+        self.url = url
 
     @initialize()
     def open(self) -> None:
@@ -229,9 +229,12 @@ class StoreMachine(RuleBasedStateMachine):
 
 
 def drive(fresh: Fresh, examples: int) -> None:
+    class Machine(StoreMachine):
+        def __init__(self) -> None:
+            super().__init__(fresh())
+
     run_state_machine_as_test(
-        lambda: StoreMachine(fresh),
-        settings=settings(max_examples=examples, stateful_step_count=20, deadline=None),
+        Machine, settings=settings(max_examples=examples, stateful_step_count=20, deadline=None)
     )
 
 
