@@ -59,8 +59,12 @@ class LinearizedEpisodes(NamedTuple):
     """[K, E], steps each episode had."""
 
     def of(self, k: int) -> "LinearizedEpisodes":
-        """The episodes of actor k, `[T, E, ...]`."""
-        parts = [np.ascontiguousarray(part[:, k]) for part in self[:-1]]
+        """The episodes of actor k, `[T, E, ...]`, T the length of its own longest.
+
+        Not of the cohort's: a product's bits may depend on how many rows it has, void ones too.
+        """
+        steps = self.ends[k].max()
+        parts = [np.ascontiguousarray(part[:steps, k]) for part in self[:-1]]
         return LinearizedEpisodes._make([*parts, self.ends[k]])
 
 

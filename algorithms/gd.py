@@ -20,105 +20,22 @@ the other. What the paper leaves open: the step size, the number of episodes, th
 """
 
 import time
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
-from algorithms import network
-from algorithms.episode_gradient import LinearizedEpisodes, live, return_gradient
+from algorithms.episode_gradient import LinearizedEpisodes, live
 from algorithms.evaluation import episode_returns
 from algorithms.gd_config import GDConfig
-from algorithms.history import History
-from algorithms.layer import Array
+from algorithms.gd_run import GDRun, shape_of
 from algorithms.measurement import Divergence, Measurement
-from algorithms.network import Shape
-from algorithms.optimizer import Learned, adam, corrected, learned
-from algorithms.policy import Policies, Policy
+from algorithms.policy import Policies
 from algorithms.rollout import start_states
-from algorithms.scaling import Coordinates, Statistics, coordinates_of
+from algorithms.scaling import coordinates_of
+from algorithms.snapshot import Snapshot
+from algorithms.state import Saved, State
 from algorithms.threads import one_thread
-from physics.compiled import compiled_fast
 from physics.environment import Environment
-from physics.randomness import generator
-
-SMOOTHED = 10
-"""Measurements whose mean tells whether a curve still rises."""
-
-
-class GDRun:
-    """One actor and how far it has come.
-
-    Attributes:
-        history: its measurements.
-        timestep: steps of its episodes so far, each with its Jacobian.
-        updates: steps of Adam so far.
-    """
-
-    def __init__(
-        self, environment: Environment, coordinates: Coordinates, seed: int, config: GDConfig
-    ) -> None:
-        """Draw the initial actor."""
-        self.history = History(seed)
-        self.timestep = 0
-        self.updates = 0
-        self._config = config
-        self._environment = environment
-        self._shape = shape_of(environment, config)
-        self._actor = learned(network.initial(self._shape, generator(seed, "actor")))
-        self._statistics = Statistics(coordinates, environment.action_size)
-        self._gradient_norms: list[float] = []
-        self._best = -np.inf
-        self._best_at = 0
-
-    def policy(self) -> Policy:
-        """The actor as it is."""
-        scaling = self._statistics.scaling()
-        return Policy(self._actor.theta, scaling.mean, scaling.inverse)
-
-    def episodes_ahead(self) -> list[tuple[int, str, int]]:
-        """Where the next update's episodes start, for `start_states`."""
-        each = self._config.episodes
-        first = self.updates * each
-        return [(self.history.seed, "episode", i) for i in range(first, first + each)]
-
-    def learn(self, episodes: LinearizedEpisodes) -> str | None:
-        """Update by what the actor lived; return the name of a quantity that is not finite."""
-        theta, mean, inverse = self.policy()
-        gradient = np.empty_like(theta)
-        return_gradient(
-            theta, self._shape, mean, inverse, self._environment.feature_sources, episodes, gradient
-        )
-        norm, is_finite = climb(
-            self._actor, gradient, self._config.rate, self.updates + 1, self._config.clip
-        )
-        if not np.isfinite(norm):
-            return "gradient"
-        if not is_finite:
-            return "parameters"
-        self.updates += 1
-        self._gradient_norms.append(norm)
-        for e, end in enumerate(episodes.ends):
-            self._statistics.observe(episodes.features[:end, e].astype(np.float32))
-        return None
-
-    def measured(self, return_mean: float) -> Measurement:
-        """Take in a measurement."""
-        norms, self._gradient_norms = self._gradient_norms, []
-        self.history.record(return_mean)
-        measurement = self.history.measured(
-            updates=self.updates,
-            jacobians=self.timestep,
-            diagnostics={"gradient_norm": float(np.median(norms)) if norms else np.nan},
-        )
-        latest = float(np.mean([*self.history.returns][-SMOOTHED:]))
-        if latest > self._best:
-            self._best, self._best_at = latest, self.history.count
-        return measurement
-
-    @property
-    def is_on_plateau(self) -> bool:
-        """Whether its curve has not risen for long."""
-        return self.history.count - self._best_at >= self._config.patience
 
 
 class GDLearner:
@@ -145,6 +62,11 @@ class GDLearner:
         return [run.history.seed for run in self._runs]
 
     @property
+    def bytes_per_run(self) -> int:
+        """Memory of one update's episodes."""
+        return max((run.nbytes for run in self._runs), default=0)
+
+    @property
     def finished(self) -> bool:
         """Whether nothing is left to do."""
         return not self._runs
@@ -161,7 +83,8 @@ class GDLearner:
         share = (time.perf_counter() - start) / len(runs)
         for run in runs:
             run.history.seconds += share
-        self.timestep = min(self._timesteps, *(run.timestep for run in runs))
+        if self._runs:
+            self._count()
         self._runs = [
             run for run in self._runs if run.timestep < self._timesteps and not run.is_on_plateau
         ]
@@ -170,6 +93,31 @@ class GDLearner:
     def drop(self, seeds: Collection[int]) -> None:
         """Stop training these seeds."""
         self._runs = [run for run in self._runs if run.history.seed not in seeds]
+
+    def state(self, seed: int) -> State:
+        """All that the run's next bits depend on."""
+        return self._run(seed).state()
+
+    def journal(self, seed: int, start: int) -> State:
+        """Nothing: no update looks back beyond its own episodes."""
+        del seed, start
+        return {}
+
+    def restore(self, saved: Mapping[int, Saved]) -> None:
+        """Take up every run where it was left."""
+        for run in self._runs:
+            run.restore(saved[run.history.seed].state)
+        self._count()
+
+    def snapshot(self, seed: int) -> Snapshot:
+        """What the run has learned so far."""
+        return self._run(seed).snapshot()
+
+    def _run(self, seed: int) -> GDRun:
+        return self._runs[self.seeds.index(seed)]
+
+    def _count(self) -> None:
+        self.timestep = min(self._timesteps, *(run.timestep for run in self._runs))
 
     def _live(self) -> LinearizedEpisodes:
         """The episodes of the coming update."""
@@ -205,29 +153,6 @@ class GDLearner:
                 )
         self.drop({divergence.seed for divergence in divergences})
         return divergences
-
-
-@compiled_fast
-def climb(
-    actor: Learned, gradient: Array, rate: float, update: int, clip: float
-) -> tuple[float, bool]:
-    """Step the actor up a gradient; return the gradient's norm and whether the actor is finite."""
-    square = 0.0
-    for i in range(gradient.size):
-        square += np.float64(gradient[i]) * np.float64(gradient[i])
-    norm = np.sqrt(square)
-    if not np.isfinite(norm):
-        return norm, True
-    scale = -min(1.0, clip / norm) if norm > 0.0 else -1.0
-    for i in range(gradient.size):
-        gradient[i] *= scale
-    _, theta_norm = adam(actor, gradient, corrected(rate, update))
-    return norm, bool(np.isfinite(theta_norm))
-
-
-def shape_of(environment: Environment, config: GDConfig) -> Shape:
-    """The sizes of the actor."""
-    return Shape(environment.feature_size, config.hidden_units, environment.action_size)
 
 
 def build(

@@ -7,6 +7,7 @@ import numpy as np
 
 from algorithms.measurement import Measurement
 from algorithms.off_policy import HISTORY, MEASURE_EVERY
+from algorithms.state import State
 
 
 class History:
@@ -29,6 +30,20 @@ class History:
     def due(self, timestep: int) -> range:
         """Numbers of the measurements due up to and including a timestep."""
         return range(self.count + 1, timestep // MEASURE_EVERY + 1)
+
+    def state(self) -> State:
+        """All of it but the seed."""
+        return {
+            "count": np.array(self.count),
+            "returns": np.array(self.returns, np.float64),
+            "seconds": np.array(self.seconds),
+        }
+
+    def restore(self, state: State) -> None:
+        """Take up what `state` gave."""
+        self.count = int(state["count"])
+        self.returns = deque(state["returns"].tolist(), HISTORY)
+        self.seconds = float(state["seconds"])
 
     def record(self, return_mean: float) -> None:
         """Take in what the run earns as it stands."""

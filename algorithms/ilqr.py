@@ -33,6 +33,7 @@ from algorithms.ilqr_backward import (
 from algorithms.ilqr_episode import Episodes
 from algorithms.ilqr_expansion import curved_directions, expand, new_expansion
 from algorithms.ilqr_search import ALPHAS, search
+from algorithms.state import State, fill
 from physics.compiled import compiled
 from physics.environment import Environment
 
@@ -42,6 +43,9 @@ Integers = NDArray[np.int64]
 SMALL_CHANGE = 1e-4
 SMALL_LEVEL = 1e-5
 SMALL_GAIN = 1e-7
+
+COUNTS = ("is_active", "iterations", "jacobians", "simulated", "_expanded_to")
+"""What a Planner holds of each plan, beside its trajectory and regularisation."""
 
 
 class Planner:
@@ -70,16 +74,18 @@ class Planner:
         self._expansion = new_expansion(environment, plans)
         self._expanded_to = np.zeros(plans, np.int64)
         self._work = new_work(environment)
-        self._window = (0, 0)
 
-    def begin(self, start: int, stop: int, plans: Integers) -> None:
-        """Set out to improve steps start to stop - 1 of these plans.
+    @property
+    def bytes_per_plan(self) -> int:
+        """Memory that each plan fills."""
+        parts = (*self.episodes, *self.gains, *self._expansion)
+        return sum(part.nbytes for part in parts) // max(len(self.is_active), 1)
 
-        Regularisation goes on from where a plan's last window left it; where none was enough, it
-        starts anew.
+    def begin(self, plans: Integers) -> None:
+        """Take these plans as not converged, whatever came of them before.
+
+        Regularisation goes on from where it was left; where none was enough, it starts anew.
         """
-        self._window = (start, stop)
-        self.is_active[:] = False
         self.is_active[plans] = True
         is_spent = self.regularisation.level > LARGEST
         self.regularisation.level[is_spent] = 1.0
@@ -87,17 +93,15 @@ class Planner:
 
     def keep(self, rows: list[int]) -> None:
         """Keep these plans only."""
-        for name in ("is_active", "iterations", "jacobians", "simulated", "_expanded_to"):
+        for name in COUNTS:
             setattr(self, name, getattr(self, name)[rows])
         for name in ("episodes", "regularisation", "gains", "_expansion"):
             parts = getattr(self, name)
             setattr(self, name, type(parts)._make(part[rows] for part in parts))
 
-    def iterate(self) -> None:
-        """Do one iteration of every active plan."""
-        plans = np.flatnonzero(self.is_active)
-        start, stop = self._window
-        self._expand(plans)
+    def iterate(self, start: int, stop: int, plans: Integers) -> None:
+        """Do one iteration of steps start to stop - 1 of these plans, all of them active."""
+        self._expand(start, stop, plans)
         is_possible = np.ones(len(self.is_active), np.bool_)
         backward(
             plans, start, stop, self.episodes, self._expansion, self.regularisation,
@@ -105,18 +109,42 @@ class Planner:
         )  # fmt: skip
         level, size = self.regularisation.level, self.gains.size
         is_flat = (size < SMALL_CHANGE) & (level < SMALL_LEVEL)
-        self.is_active &= is_possible & ~is_flat
+        self.is_active[plans] = (is_possible & ~is_flat)[plans]
         self.iterations[plans] += 1
-        plans = np.flatnonzero(self.is_active)
+        plans = plans[self.is_active[plans]]
         if plans.size:
-            gain = search(self._environment, plans, self._window, self.episodes, self.gains)
+            gain = search(self._environment, plans, (start, stop), self.episodes, self.gains)
             self.simulated[plans] += (stop - start) * len(ALPHAS)
             self._expanded_to[plans[gain > 0.0]] = start
             adapt(plans, gain, self.regularisation, self.is_active)
 
-    def _expand(self, plans: Integers) -> None:
+    def state(self, p: int) -> State:
+        """All that the next bits of plan p depend on; its expansion is worked out again."""
+        own = {name: getattr(self, name)[p] for name in COUNTS}
+        parts = self.episodes._asdict() | self.regularisation._asdict()
+        return {name: np.asarray(array) for name, array in own.items()} | {
+            name: np.asarray(array[p]) for name, array in parts.items()
+        }
+
+    def restore(self, p: int, start: int, state: State) -> None:
+        """Take up what `state` gave, for a plan whose window begins at step `start`.
+
+        Raises:
+            KeyError, ValueError: for a state that is not of this task.
+        """
+        parts = self.episodes._asdict() | self.regularisation._asdict()
+        parts |= {name: getattr(self, name) for name in COUNTS}
+        for name, array in parts.items():
+            fill(array[p : p + 1], state[name][None])
+        stop = int(self._expanded_to[p])
+        if start < stop:
+            expand(
+                self._environment, self.episodes, np.array([p]), (start, stop),
+                self._directions, self._expansion,
+            )  # fmt: skip
+
+    def _expand(self, start: int, stop: int, plans: Integers) -> None:
         """Bring the expansion of the window up to date."""
-        start, stop = self._window
         for first in np.unique(np.clip(self._expanded_to[plans], start, stop)):
             if first < stop:
                 chosen = plans[np.clip(self._expanded_to[plans], start, stop) == first]

@@ -27,9 +27,10 @@ until a plan has converged; regularisation goes on from action to action, as the
 """
 
 import time
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from algorithms import network
 from algorithms.history import History
@@ -41,9 +42,12 @@ from algorithms.network import Shape
 from algorithms.off_policy import MEASURE_EVERY
 from algorithms.policy import Policies, Policy
 from algorithms.rollout import start_states
+from algorithms.state import Saved, State, part, within
 from algorithms.threads import one_thread
 from physics.environment import Environment
 from physics.randomness import generator
+
+Integers = NDArray[np.int64]
 
 
 class MPCLearner:
@@ -65,10 +69,12 @@ class MPCLearner:
         self._planner = Planner(environment, episodes)
         self._planner.simulated[:] = episodes.ends
         self._histories = [History(seed) for seed in seeds]
-        self._time = 0
+        self._times = np.zeros(len(seeds), np.int64)
+        self._iterations = np.zeros(len(seeds), np.int64)
         self.timestep = 0
-        self._predict()
-        self._begin()
+        everyone = np.arange(len(seeds))
+        self._predict(everyone)
+        self._planner.begin(everyone)
 
     @property
     def seeds(self) -> list[int]:
@@ -80,16 +86,28 @@ class MPCLearner:
         """Whether nothing is left to do."""
         return not self._histories
 
+    @property
+    def bytes_per_run(self) -> int:
+        """The size of a plan with its expansion."""
+        return self._planner.bytes_per_plan
+
     def advance(self) -> list[Measurement | Divergence]:
-        """Do one iteration of every plan, or the action they have come to."""
+        """Do one iteration of every plan, or the action they have come to.
+
+        Runs that were taken up ahead of others wait for them.
+        """
         start, runs = time.perf_counter(), len(self._histories)
+        now = int(self._times.min())
+        stop = min(now + self._config.horizon, self._environment.horizon)
+        here = self._times == now
+        unfinished = here & self._planner.is_active & (self._iterations < self._config.iterations)
         with one_thread():
-            if self._planner.is_active.any() and self._iterations < self._config.iterations:
-                self._planner.iterate()
-                self._iterations += 1
+            if unfinished.any():
+                self._planner.iterate(now, stop, np.flatnonzero(unfinished))
+                self._iterations[unfinished] += 1
                 events = self._measure()
             else:
-                events = self._act()
+                events = self._act(stop, np.flatnonzero(here))
         share = (time.perf_counter() - start) / runs
         for history in self._histories:
             history.seconds += share
@@ -100,30 +118,49 @@ class MPCLearner:
         """Stop these runs."""
         self._keep([row for row, seed in enumerate(self.seeds) if seed not in seeds])
 
-    def _begin(self) -> None:
-        """Turn to the plans for the actions at this time."""
-        self._iterations = 0
-        self._stop = min(self._time + self._config.horizon, self._environment.horizon)
-        plans = np.flatnonzero(self._planner.episodes.ends > self._time)
-        self._planner.begin(self._time, self._stop, plans)
+    def state(self, seed: int) -> State:
+        """All that the run's next bits depend on."""
+        p = self.seeds.index(seed)
+        own = {"time": np.array(self._times[p]), "iterations": np.array(self._iterations[p])}
+        history, plan = self._histories[p].state(), self._planner.state(p)
+        return own | within("history", history) | within("plan", plan)
 
-    def _act(self) -> list[Measurement]:
-        """Do the actions at this time, and move the plans on by one step."""
+    def journal(self, seed: int, start: int) -> State:
+        """Nothing: the plan holds the whole episode."""
+        del seed, start
+        return {}
+
+    def restore(self, saved: Mapping[int, Saved]) -> None:
+        """Take up every run where it was left."""
+        for p, history in enumerate(self._histories):
+            state = saved[history.seed].state
+            self._times[p] = state["time"]
+            self._iterations[p] = state["iterations"]
+            history.restore(part(state, "history"))
+            self._planner.restore(p, int(self._times[p]), part(state, "plan"))
+        self._count()
+
+    def snapshot(self, seed: int) -> None:
+        """None: a plan is no policy."""
+        del seed
+
+    def _act(self, stop: int, plans: Integers) -> list[Measurement]:
+        """Do the next action of these plans, which end before `stop`, and move them on."""
         episodes = self._planner.episodes
-        replay(self._environment, episodes, self._stop)
-        self._planner.simulated += episodes.ends > self._stop  # the step that a plan takes in
+        replay(self._environment, episodes, stop)
+        self._planner.simulated[plans] += episodes.ends[plans] > stop  # the step that one takes in
         measured = self._measure()
-        self._time += 1
-        self._predict()
-        self._begin()
+        self._times[plans] += 1
+        self._iterations[plans] = 0
+        self._predict(plans)
+        self._planner.begin(plans)
         return measured + self._measure_ends()
 
-    def _predict(self) -> None:
-        """Record what each episode will earn, as things stand."""
-        episodes = self._planner.episodes
-        horizon = self._environment.horizon
-        for p, history in enumerate(self._histories):
-            history.record(window_return(episodes, p, 0, horizon))
+    def _predict(self, plans: Integers) -> None:
+        """Record what these episodes will earn, as things stand."""
+        for p in plans:
+            episodes = self._planner.episodes
+            self._histories[p].record(window_return(episodes, p, 0, self._environment.horizon))
 
     def _measure(self) -> list[Measurement]:
         """The measurements that have come due."""
@@ -136,7 +173,7 @@ class MPCLearner:
 
     def _measure_ends(self) -> list[Measurement]:
         """A last measurement of the episodes that are over."""
-        is_over = self._planner.episodes.ends <= self._time
+        is_over = self._planner.episodes.ends <= self._times
         return [
             self._measured(p)
             for p, history in enumerate(self._histories)
@@ -149,23 +186,27 @@ class MPCLearner:
             updates=int(planner.iterations[p]),
             jacobians=int(planner.jacobians[p]),
             diagnostics={
-                "actions": float(self._time),
-                "collected_return": window_return(planner.episodes, p, 0, self._time),
+                "actions": float(self._times[p]),
+                "collected_return": window_return(planner.episodes, p, 0, int(self._times[p])),
                 "regularisation": float(planner.regularisation.level[p]),
             },
         )
 
     def _leave(self) -> None:
         """Let the runs go whose episode is over, or which have used up their timesteps."""
+        self._count()
         planner = self._planner
-        self.timestep = int(min(planner.simulated.min(), self._timesteps))
-        stays = (planner.episodes.ends > self._time) & (planner.simulated < self._timesteps)
+        stays = (planner.episodes.ends > self._times) & (planner.simulated < self._timesteps)
         if not stays.all():
             self._keep(np.flatnonzero(stays).tolist())
+
+    def _count(self) -> None:
+        self.timestep = int(min(self._planner.simulated.min(), self._timesteps))
 
     def _keep(self, rows: list[int]) -> None:
         self._planner.keep(rows)
         self._histories = [self._histories[row] for row in rows]
+        self._times, self._iterations = self._times[rows], self._iterations[rows]
 
 
 def first_plans(environment: Environment, seeds: Sequence[int], hidden_units: int) -> Episodes:

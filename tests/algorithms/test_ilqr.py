@@ -25,11 +25,11 @@ def quiet_episodes(environment: Environment, seeds: list[int], scale: float = 1.
 
 
 def plan_to_convergence(planner: Planner, window: tuple[int, int]) -> None:
-    planner.begin(*window, np.arange(len(planner.is_active)))
+    planner.begin(np.arange(len(planner.is_active)))
     for _ in range(500):
         if not planner.is_active.any():
             return
-        planner.iterate()
+        planner.iterate(*window, np.flatnonzero(planner.is_active))
     raise AssertionError("no convergence")
 
 
@@ -66,11 +66,11 @@ def test_every_iteration_is_at_least_as_good_as_the_one_before(name: str) -> Non
     task = physics.make(name)
     episodes = quiet_episodes(task, [0, 1])
     planner = Planner(task, episodes)
-    planner.begin(0, 60, np.arange(2))
+    planner.begin(np.arange(2))
     returns = [episodes.rewards[:, :60].sum(axis=1)]
     for _ in range(20):
         if planner.is_active.any():
-            planner.iterate()
+            planner.iterate(0, 60, np.flatnonzero(planner.is_active))
         returns.append(episodes.rewards[:, :60].sum(axis=1))
         assert np.abs(episodes.actions).max() <= 1.0
     gains = np.diff(returns, axis=0)
@@ -86,10 +86,10 @@ def test_a_plan_has_the_same_bits_alone_and_in_any_cohort(name: str) -> None:
         episodes = quiet_episodes(task, seeds)
         planner = Planner(task, episodes)
         for t in range(4):
-            planner.begin(t, t + 30, np.flatnonzero(episodes.ends > t))
+            planner.begin(np.flatnonzero(episodes.ends > t))
             for _ in range(6):
                 if planner.is_active.any():
-                    planner.iterate()
+                    planner.iterate(t, t + 30, np.flatnonzero(planner.is_active))
             replay(task, episodes, t + 30)
         parts = (*episodes, *planner.regularisation, planner.iterations, planner.jacobians)
         return {seed: tuple(part[p].tobytes() for part in parts) for p, seed in enumerate(seeds)}
@@ -106,11 +106,11 @@ def test_keeping_some_plans_leaves_them_as_they_would_have_been() -> None:
     whole = quiet_episodes(task, [0, 1, 2])
     planners = [Planner(task, Episodes._make(part.copy() for part in whole)) for _ in range(2)]
     for planner in planners:
-        planner.begin(0, 40, np.arange(3))
-        planner.iterate()
+        planner.begin(np.arange(3))
+        planner.iterate(0, 40, np.arange(3))
     planners[1].keep([2, 0])
     for planner in planners:
-        planner.iterate()
+        planner.iterate(0, 40, np.flatnonzero(planner.is_active))
     for kept, part in zip(planners[1].episodes, planners[0].episodes, strict=True):
         assert np.array_equal(kept, part[[2, 0]])
 

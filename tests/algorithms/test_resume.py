@@ -100,3 +100,38 @@ def test_a_state_of_other_settings_is_refused() -> None:
     )
     with pytest.raises(ValueError, match="of other settings or other code"):
         other.restore(saved_runs(learner))
+
+
+@pytest.mark.parametrize(
+    ("name", "environment", "config"),
+    [
+        ("gd", "CartPole", {"episodes": 2}),
+        ("mpc", "Pendulum", {"horizon": 10, "iterations": 3}),
+        ("mpc", "MassPoint", {"horizon": 8, "iterations": 3}),
+    ],
+)
+def test_planners_taken_up_at_different_moments_go_on_to_the_same_bits(
+    name: str, environment: str, config: dict[str, Any]
+) -> None:
+    def built(seeds: list[int]) -> Learner:
+        return algorithms.build(name, environment, seeds, (0.0, 0.0), 8_000, config)
+
+    def said(learner: Learner, cycles: int) -> list[Measurement]:
+        return [m for _ in range(cycles) for m in learner.advance() if isinstance(m, Measurement)]
+
+    learner = built([3, 5, 8])
+    said(learner, 7)
+    first = saved_runs(learner)
+    between = said(learner, 4)
+    second = saved_runs(learner)
+    rest = curves(learner)
+    between = [replace(m, seconds=0.0) for m in between]
+
+    for seeds, saved in (([3, 5, 8], second), ([5], second), ([8, 5], {5: second[5], 8: first[8]})):
+        again = built(seeds)
+        again.restore({seed: saved[seed] for seed in seeds})
+        found = curves(again)
+        for seed in seeds:
+            begun = between if saved[seed] is first[seed] else []
+            expected = [m for m in begun + rest if m.seed == seed]
+            assert [m for m in found if m.seed == seed] == expected != []

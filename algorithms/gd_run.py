@@ -1,0 +1,159 @@
+"""One run of gradient ascent: its actor, and how far it has come (see `algorithms.gd`)."""
+
+import numpy as np
+
+from algorithms import network
+from algorithms.episode_gradient import LinearizedEpisodes, return_gradient
+from algorithms.gd_config import GDConfig
+from algorithms.history import History
+from algorithms.layer import Array
+from algorithms.measurement import Measurement
+from algorithms.network import Shape
+from algorithms.optimizer import Learned, adam, corrected, learned
+from algorithms.policy import Policy
+from algorithms.scaling import Coordinates, Statistics
+from algorithms.snapshot import Snapshot
+from algorithms.state import State, part, within
+from physics.compiled import compiled_fast
+from physics.environment import Environment
+from physics.randomness import generator
+
+SMOOTHED = 10
+"""Measurements whose mean tells whether a curve still rises."""
+
+
+class GDRun:
+    """One actor and how far it has come.
+
+    Attributes:
+        history: its measurements.
+        timestep: steps of its episodes so far, each with its Jacobian.
+        updates: steps of Adam so far.
+    """
+
+    def __init__(
+        self, environment: Environment, coordinates: Coordinates, seed: int, config: GDConfig
+    ) -> None:
+        """Draw the initial actor."""
+        self.history = History(seed)
+        self.timestep = 0
+        self.updates = 0
+        self._config = config
+        self._environment = environment
+        self._shape = shape_of(environment, config)
+        self._actor = learned(network.initial(self._shape, generator(seed, "actor")))
+        self._statistics = Statistics(coordinates, environment.action_size)
+        self._gradient_norms: list[float] = []
+        self._best = -np.inf
+        self._best_at = 0
+
+    def policy(self) -> Policy:
+        """The actor as it is."""
+        scaling = self._statistics.scaling()
+        return Policy(self._actor.theta, scaling.mean, scaling.inverse)
+
+    def episodes_ahead(self) -> list[tuple[int, str, int]]:
+        """Where the next update's episodes start, for `start_states`."""
+        each = self._config.episodes
+        first = self.updates * each
+        return [(self.history.seed, "episode", i) for i in range(first, first + each)]
+
+    def learn(self, episodes: LinearizedEpisodes) -> str | None:
+        """Update by what the actor lived; return the name of a quantity that is not finite."""
+        theta, mean, inverse = self.policy()
+        gradient = np.empty_like(theta)
+        return_gradient(
+            theta, self._shape, mean, inverse, self._environment.feature_sources, episodes, gradient
+        )
+        norm, is_finite = climb(
+            self._actor, gradient, self._config.rate, self.updates + 1, self._config.clip
+        )
+        if not np.isfinite(norm):
+            return "gradient"
+        if not is_finite:
+            return "parameters"
+        self.updates += 1
+        self._gradient_norms.append(norm)
+        for e, end in enumerate(episodes.ends):
+            self._statistics.observe(episodes.features[:end, e].astype(np.float32))
+        return None
+
+    def measured(self, return_mean: float) -> Measurement:
+        """Take in a measurement."""
+        norms, self._gradient_norms = self._gradient_norms, []
+        self.history.record(return_mean)
+        measurement = self.history.measured(
+            updates=self.updates,
+            jacobians=self.timestep,
+            diagnostics={"gradient_norm": float(np.median(norms)) if norms else np.nan},
+        )
+        latest = float(np.mean([*self.history.returns][-SMOOTHED:]))
+        if latest > self._best:
+            self._best, self._best_at = latest, self.history.count
+        return measurement
+
+    @property
+    def is_on_plateau(self) -> bool:
+        """Whether its curve has not risen for long."""
+        return self.history.count - self._best_at >= self._config.patience
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of the derivatives of one update's episodes, and of the network's pass there."""
+        n, m = self._environment.state_size, self._environment.action_size
+        one_step = 8 * (n * (n + 2 * m + 2) + 2 * self._shape.inputs) + 40 * self._shape.hidden
+        return one_step * self._environment.horizon * self._config.episodes
+
+    def state(self) -> State:
+        """All that its next bits depend on."""
+        own = {
+            "timestep": np.array(self.timestep),
+            "updates": np.array(self.updates),
+            "best": np.array(self._best),
+            "best_at": np.array(self._best_at),
+            "gradient_norms": np.array(self._gradient_norms, np.float64),
+        }
+        return (
+            own
+            | within("actor", self._actor.state())
+            | within("statistics", self._statistics.state())
+            | within("history", self.history.state())
+        )
+
+    def restore(self, state: State) -> None:
+        """Take up what `state` gave."""
+        self.timestep = int(state["timestep"])
+        self.updates = int(state["updates"])
+        self._best = float(state["best"])
+        self._best_at = int(state["best_at"])
+        self._gradient_norms = state["gradient_norms"].tolist()
+        self._actor.restore(part(state, "actor"))
+        self._statistics.restore(part(state, "statistics"))
+        self.history.restore(part(state, "history"))
+
+    def snapshot(self) -> Snapshot:
+        """The actor as it is."""
+        return Snapshot(self.timestep, self._shape.hidden, self._shape.outputs, self.policy())
+
+
+@compiled_fast
+def climb(
+    actor: Learned, gradient: Array, rate: float, update: int, clip: float
+) -> tuple[float, bool]:
+    """Step the actor up a gradient; return the gradient's norm and whether the actor is finite."""
+    square = 0.0
+    for i in range(gradient.size):
+        square += np.float64(gradient[i]) * np.float64(gradient[i])
+    norm = np.sqrt(square)
+    if not np.isfinite(norm):
+        return norm, True
+    scale = -min(1.0, clip / norm) if norm > 0.0 else -1.0
+    for i in range(gradient.size):
+        gradient[i] *= scale
+    _, theta_norm = adam(actor, gradient, corrected(rate, update))
+    return norm, bool(np.isfinite(theta_norm))
+
+
+def shape_of(environment: Environment, config: GDConfig) -> Shape:
+    """The sizes of the actor."""
+    return Shape(environment.feature_size, config.hidden_units, environment.action_size)
