@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from workers.run_spec import RunSpec
 
@@ -29,6 +30,11 @@ class Claim:
     runs: tuple[ClaimedRun, ...]
 
     @property
+    def name(self) -> str:
+        """Names the claim: no other one holds its first run under the same attempt."""
+        return f"{self.runs[0].run_id}/{self.runs[0].attempt}"
+
+    @property
     def by_seed(self) -> Mapping[int, ClaimedRun]:
         """The runs by their seed, which is what a worker calls them."""
         return {run.spec.seed: run for run in self.runs}
@@ -42,3 +48,33 @@ class Claim:
         """Return the claim on those of its runs alone."""
         kept = tuple(run for run in self.runs if run.run_id in run_ids)
         return Claim(self.worker, self.lease_seconds, kept)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain values; `from_json` gives an equal claim back."""
+        return {
+            "worker": self.worker,
+            "lease_seconds": self.lease_seconds,
+            "runs": [
+                {
+                    "run_id": run.run_id,
+                    "attempt": run.attempt,
+                    "spec": run.spec.to_json(),
+                    "environment_version": run.environment_version,
+                }
+                for run in self.runs
+            ],
+        }
+
+    @classmethod
+    def from_json(cls, document: Mapping[str, Any]) -> "Claim":
+        """Read what `to_json` wrote."""
+        runs = tuple(
+            ClaimedRun(
+                run["run_id"],
+                run["attempt"],
+                RunSpec.from_json(run["spec"]),
+                run["environment_version"],
+            )
+            for run in document["runs"]
+        )
+        return cls(document["worker"], document["lease_seconds"], runs)

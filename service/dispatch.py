@@ -158,8 +158,8 @@ class Dispatcher:
                 return self._count_waiting()
             case ClaimCohort(worker, lease_seconds, limit):
                 return Claimed(worker, self._store.claim_cohort(worker, lease_seconds, limit))
-            case Train(worker, specs, measure_random_return):
-                self._pool.train(worker, specs, measure_random_return=measure_random_return)
+            case Train(worker, work):
+                self._pool.train(worker, work)
             case Drop(worker, seeds):
                 self._pool.drop(worker, seeds)
             case Kill(worker):

@@ -41,8 +41,9 @@ from service.scheduler_messages import (
     Waiting,
 )
 from workers.progress import Progress
-from workers.report import Ended, Failed, Lost, News, Ready
+from workers.report import Busy, Ended, Failed, Lost, News, Ready
 from workers.run_spec import COHORT_LIMIT
+from workers.work import Work
 
 
 @dataclass(frozen=True)
@@ -68,11 +69,14 @@ class DispatchTimes:
 class Cohort:
     """What a worker is training.
 
+    name      that of its first claim; what the worker calls it
+    claim     on those of its runs that are still its own
     heard_at  when it was last heard of
     measures  the task whose random return it was asked to measure
     dropped   since when each run that it was told to drop has been so
     """
 
+    name: str
     claim: Claim
     heard_at: float
     measures: Version | None = None
@@ -110,7 +114,7 @@ class State:
 Step = tuple[State, list[Command]]
 
 
-def step(  # noqa: PLR0911  (one an event)
+def step(  # noqa: PLR0911, PLR0912  (one an event)
     state: State, event: Event, now: float, times: DispatchTimes
 ) -> Step:
     """Take one event into account, and say what is to be done."""
@@ -118,19 +122,23 @@ def step(  # noqa: PLR0911  (one an event)
         case Tick():
             return _tick(state, now, times)
         case Ready(worker):
-            return _free(replace(state, problem="", lost_since="", restart_wait=0.0), worker)
-        case News(worker) if worker in state.cohorts:
-            cohort = replace(state.cohorts[worker], heard_at=now)
-            return _with(state, worker, cohort), [Record(cohort.claim, event)]
-        case Recorded(news) if news.worker in state.cohorts:
+            known = worker in state.idle or worker in state.cohorts
+            up = replace(state, problem="", lost_since="", restart_wait=0.0)
+            return up if known else _free(up, worker), []
+        case Busy(worker, cohort, note) if not _trains(state, worker, cohort):
+            return _with(state, worker, Cohort(cohort, Claim.from_json(note), now)), []
+        case News(worker, cohort) if _trains(state, worker, cohort):
+            heard = replace(state.cohorts[worker], heard_at=now)
+            return _with(state, worker, heard), [Record(heard.claim, event)]
+        case Recorded(news) if _trains(state, news.worker, news.cohort):
             return _recorded(state, event)
-        case Ended(worker) if worker in state.cohorts:
+        case Ended(worker, cohort) if _trains(state, worker, cohort):
             claim = state.cohorts[worker].claim
-            freed, _ = _free(state, worker)
-            return freed, [Lose(claim, "its worker ended before it did")] if claim.runs else []
-        case Failed(worker, error, log_tail) if worker in state.cohorts:
-            freed, _ = _free(state, worker)
-            return freed, [Fail(state.cohorts[worker].claim, error, log_tail)]
+            lose = Lose(claim, "its worker ended before it did")
+            return _free(state, worker), [lose] if claim.runs else []
+        case Failed(worker, cohort, error, log_tail) if _trains(state, worker, cohort):
+            fail = Fail(state.cohorts[worker].claim, error, log_tail)
+            return _free(state, worker), [fail]
         case Lost(worker, reason, log_tail):
             return _lost(state, worker, reason, log_tail)
         case PoolLost():
@@ -141,7 +149,7 @@ def step(  # noqa: PLR0911  (one an event)
             return _waiting(state, event, times)
         case Claimed(worker, claim):
             return _claimed(state, worker, claim, now)
-        case _:  # of a worker that was given up
+        case _:  # of a cohort that was given up, or heard before
             return state, []
 
 
@@ -204,8 +212,7 @@ def _gone(progress: Progress) -> frozenset[int]:
 
 def _lost(state: State, worker: str, reason: str, log_tail: str) -> Step:
     cohort = state.cohorts.get(worker)
-    without = _without(state, worker)
-    return without, [] if cohort is None else [Lose(cohort.claim, reason, log_tail)]
+    return _without(state, worker), [] if cohort is None else [Lose(cohort.claim, reason, log_tail)]
 
 
 def _pool_lost(state: State, lost: PoolLost, now: float, times: DispatchTimes) -> Step:
@@ -265,8 +272,10 @@ def _claimed(state: State, worker: str, claim: Claim | None, now: float) -> Step
     version = (first.spec.environment, first.environment_version)
     in_measurement = {cohort.measures for cohort in state.cohorts.values()}
     is_known = version in state.random_returns or version in in_measurement
-    state = _with(state, worker, Cohort(claim, now, None if is_known else version))
-    train = Train(worker, claim.specs, measure_random_return=not is_known)
+    cohort = Cohort(claim.name, claim, now, None if is_known else version)
+    state = _with(state, worker, cohort)
+    work = Work(cohort.name, claim.specs, not is_known, note=claim.to_json())
+    train = Train(worker, work)
     return state, [train, AskWaiting()] if state.idle else [train]
 
 
@@ -286,7 +295,12 @@ def _without(state: State, worker: str) -> State:
     return replace(state, idle=idle, cohorts=cohorts)
 
 
-def _free(state: State, worker: str) -> Step:
+def _free(state: State, worker: str) -> State:
     """Return the state with the worker idle, behind the others."""
     state = _without(state, worker)
-    return replace(state, idle=(*state.idle, worker)), []
+    return replace(state, idle=(*state.idle, worker))
+
+
+def _trains(state: State, worker: str, cohort: str) -> bool:
+    """Whether that is what the worker is training."""
+    return worker in state.cohorts and state.cohorts[worker].name == cohort

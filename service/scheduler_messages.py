@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from service.claim import Claim
 from workers.report import News, Report
-from workers.run_spec import RunSpec
+from workers.work import Work
 
 Version = tuple[str, int]
 """An environment and the version of its numbers."""
@@ -131,8 +131,7 @@ class Train:
     """Have a worker train a cohort."""
 
     worker: str
-    specs: tuple[RunSpec, ...]
-    measure_random_return: bool
+    work: Work
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ import sys
 import threading
 import time
 import traceback
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -26,8 +26,8 @@ import ray
 
 from workers.execute import execute
 from workers.log_tail import log_tail
-from workers.report import Ended, Failed, Lost, News, Ready, to_line
-from workers.run_spec import RunSpec
+from workers.report import Busy, Ended, Failed, Lost, News, Ready, to_line
+from workers.work import Work
 
 OBJECT_STORE_BYTES = 80 * 2**20  # nearly Ray's least; progress is small and never stored
 UNREAD_LIMIT = 4
@@ -48,7 +48,7 @@ class Worker:
         """Send all output of the process to the log file, a crash's stack too."""
         self._name = name
         self._log_path = Path(log_path)
-        self._cohort = 0
+        self._cohort = ""
         self._dropped: set[int] = set()
         self._log_path.parent.mkdir(parents=True, exist_ok=True)
         log = os.open(self._log_path, os.O_CREAT | os.O_WRONLY | os.O_TRUNC | os.O_APPEND, 0o600)
@@ -61,29 +61,29 @@ class Worker:
         """Return this process's id and host; also how one sees that it lives."""
         return os.getpid(), socket.gethostname()
 
-    def train(
-        self, cohort: int, specs: Sequence[dict[str, Any]], measure_random_return: bool
-    ) -> Iterator[str]:
-        """Train a cohort: lines of News, then of Ended or Failed."""
+    def train(self, document: dict[str, Any]) -> Iterator[str]:
+        """Train what is assigned: lines of News, then of Ended or Failed."""
+        work = Work.from_json(document)
+        cohort = work.cohort
         self._cohort, self._dropped = cohort, set()
         os.truncate(self._log_path, 0)
         try:
-            runs = [RunSpec.from_json(spec) for spec in specs]
             told = execute(
-                runs,
+                work.specs,
                 lambda: self._dropped,
                 _leave,
-                measure_random_return=measure_random_return,
+                measure_random_return=work.measure_random_return,
             )
             for progress in told:
-                yield to_line(News(self._name, progress))
+                yield to_line(News(self._name, cohort, progress))
         except Exception:
             sys.stdout.flush()
-            yield to_line(Failed(self._name, traceback.format_exc(), log_tail(self._log_path)))
+            error, tail = traceback.format_exc(), log_tail(self._log_path)
+            yield to_line(Failed(self._name, cohort, error, tail))
         else:
-            yield to_line(Ended(self._name))
+            yield to_line(Ended(self._name, cohort))
 
-    def drop(self, cohort: int, seeds: Collection[int]) -> None:
+    def drop(self, cohort: str, seeds: Collection[int]) -> None:
         """Train these seeds no further; a word about an earlier cohort comes too late."""
         if cohort == self._cohort:
             self._dropped |= set(seeds)
@@ -110,7 +110,7 @@ class Slot:
         self._send = send
         self._work: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
         self._actor: Any = None
-        self._cohort = 0
+        self._cohort = ""
         self._is_closing = False
         self.worker = ""
         threading.Thread(target=self._run, name="slot", daemon=True).start()
@@ -157,10 +157,12 @@ class Slot:
             except queue.Empty:
                 ray.get(self._actor.describe.remote())
                 continue
-            self._cohort += 1
+            work = command["work"]
+            self._cohort = work["cohort"]
+            self._send(to_line(Busy(self.worker, self._cohort, work["note"])))
             stream = self._actor.train.options(
                 num_returns="streaming", _generator_backpressure_num_objects=UNREAD_LIMIT
-            ).remote(self._cohort, command["specs"], command["measure_random_return"])
+            ).remote(work)
             for line in stream:
                 self._send(ray.get(line))
 

@@ -1,10 +1,10 @@
 """A pool of workers, as seen by the one who gives them work."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from typing import Protocol
 
 from workers.report import Report
-from workers.run_spec import RunSpec
+from workers.work import Work
 
 
 class PoolUnavailableError(RuntimeError):
@@ -21,8 +21,8 @@ class Pool(Protocol):
     def start(self) -> None:
         """Begin to bring workers up; each says Ready. Raises PoolUnavailableError."""
 
-    def train(self, worker: str, specs: Sequence[RunSpec], *, measure_random_return: bool) -> None:
-        """Train a cohort: News about once a second, then Ended, Failed or Lost.
+    def train(self, worker: str, work: Work) -> None:
+        """Train a cohort: Busy, News about once a second, then Ended, Failed or Lost.
 
         Where asked, the random return of its task is measured first, and is in the News.
         """

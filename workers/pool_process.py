@@ -16,7 +16,7 @@ import subprocess
 import sys
 import tempfile
 import threading
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -24,7 +24,7 @@ from typing import Any
 from workers.log_tail import log_tail
 from workers.pool import PoolUnavailableError
 from workers.report import Report, from_line
-from workers.run_spec import RunSpec
+from workers.work import Work
 
 TOKEN_VARIABLES = ("RAY_AUTH_TOKEN", "RAY_AUTH_TOKEN_PATH")
 CLOSING_SECONDS = 4.0
@@ -89,14 +89,9 @@ class PoolProcess:
             target=_listen, args=(ours, self._reports), name="pool reports", daemon=True
         ).start()
 
-    def train(self, worker: str, specs: Sequence[RunSpec], *, measure_random_return: bool) -> None:
+    def train(self, worker: str, work: Work) -> None:
         """Train a cohort."""
-        self._send(
-            do="train",
-            worker=worker,
-            specs=[spec.to_json() for spec in specs],
-            measure_random_return=measure_random_return,
-        )
+        self._send(do="train", worker=worker, work=work.to_json())
 
     def drop(self, worker: str, seeds: Collection[int]) -> None:
         """Train these seeds no further."""

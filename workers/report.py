@@ -3,6 +3,7 @@
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from typing import Any
 
 from workers.progress import Progress
 
@@ -17,10 +18,20 @@ class Ready:
 
 
 @dataclass(frozen=True)
+class Busy:
+    """A worker has begun a cohort; `note` is that of its work."""
+
+    worker: str
+    cohort: str
+    note: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
 class News:
     """A worker said something about the cohort it trains."""
 
     worker: str
+    cohort: str
     progress: Progress
 
 
@@ -29,6 +40,7 @@ class Ended:
     """A worker has no seed left to train, and is idle again."""
 
     worker: str
+    cohort: str
 
 
 @dataclass(frozen=True)
@@ -36,6 +48,7 @@ class Failed:
     """The code that a worker ran raised; the worker is idle again. `error` is the traceback."""
 
     worker: str
+    cohort: str
     error: str
     log_tail: str
 
@@ -49,10 +62,11 @@ class Lost:
     log_tail: str
 
 
-Report = Ready | News | Ended | Failed | Lost
+Report = Ready | Busy | News | Ended | Failed | Lost
 
 KINDS: Mapping[str, type[Report]] = {
     "ready": Ready,
+    "busy": Busy,
     "news": News,
     "ended": Ended,
     "failed": Failed,
@@ -71,5 +85,5 @@ def from_line(line: str | bytes) -> Report:
     fields = json.loads(line)
     kind = KINDS[fields.pop("kind")]
     if kind is News:
-        return News(fields["worker"], Progress.from_json(fields["progress"]))
+        return News(fields["worker"], fields["cohort"], Progress.from_json(fields["progress"]))
     return kind(**fields)

@@ -11,8 +11,9 @@ from algorithms.measurement import Divergence, Measurement
 from workers.pool import PoolUnavailableError
 from workers.progress import Progress
 from workers.random_return import RandomReturn
-from workers.report import Ended, Failed, Lost, News, Ready, Report
+from workers.report import Busy, Ended, Failed, Lost, News, Ready, Report
 from workers.run_spec import RunSpec
+from workers.work import Work
 
 CYCLE = 800
 
@@ -28,6 +29,7 @@ class FakeWorker:
     """One worker and what it is training."""
 
     name: str
+    cohort: str = ""
     specs: Sequence[RunSpec] = ()
     seeds: list[int] = field(default_factory=list)
     timestep: int = 0
@@ -35,6 +37,48 @@ class FakeWorker:
     random_return: RandomReturn | None = None
     is_frozen: bool = False
     is_deaf: bool = False  # does not drop what it is told to
+
+    def begin(self, work: Work) -> Report:
+        """Train a cohort from the start."""
+        self.cohort, self.specs = work.cohort, work.specs
+        self.seeds, self.timestep = [spec.seed for spec in self.specs], 0
+        self.to_drop = set()
+        if work.measure_random_return:
+            self.random_return = RandomReturn(self.specs[0].environment, 1, -1.0, -2.0, 0.0, 1000)
+        return Busy(self.name, self.cohort, work.note)
+
+    def drop(self, seeds: Collection[int]) -> None:
+        """Train these seeds no further."""
+        if not self.is_deaf:
+            self.to_drop |= set(seeds)
+
+    def cycle(self, diverging: Collection[int], raising: Collection[int]) -> list[Report]:
+        """Train one cycle; `diverging` seeds diverge and `raising` ones raise in the second."""
+        dropped = tuple(seed for seed in self.seeds if seed in self.to_drop)
+        self.seeds = [seed for seed in self.seeds if seed not in dropped]
+        self.timestep += CYCLE
+        diverged: tuple[int, ...] = ()
+        if self.timestep == 2 * CYCLE:
+            if set(raising) & set(self.seeds):
+                self.specs = ()
+                return [Failed(self.name, self.cohort, "Traceback\nValueError: x", "output")]
+            diverged = tuple(seed for seed in self.seeds if seed in diverging)
+            self.seeds = [seed for seed in self.seeds if seed not in diverged]
+        is_over = self.timestep >= self.specs[0].timesteps
+        progress = Progress(
+            timestep=self.timestep,
+            measurements=tuple(measurement_of(seed, self.timestep) for seed in self.seeds),
+            diverged=tuple(Divergence(s, self.timestep, 7, "critic loss") for s in diverged),
+            finished=tuple(self.seeds) if is_over else (),
+            dropped=dropped,
+            fingerprint={"cpu": "a"} if self.timestep == CYCLE else {},
+            random_return=self.random_return,
+        )
+        self.random_return = None
+        if not is_over and self.seeds:
+            return [News(self.name, self.cohort, progress)]
+        self.specs = ()
+        return [News(self.name, self.cohort, progress), Ended(self.name, self.cohort)]
 
 
 class FakePool:
@@ -62,19 +106,17 @@ class FakePool:
         for _ in range(self.size):
             self._make()
 
-    def train(self, worker: str, specs: Sequence[RunSpec], *, measure_random_return: bool) -> None:
+    def train(self, worker: str, work: Work) -> None:
         if (found := self.workers.get(worker)) is None:
             return
-        found.specs, found.seeds, found.timestep = specs, [spec.seed for spec in specs], 0
-        found.to_drop, found.is_frozen = set(), self.is_freezing
-        if measure_random_return:
-            task = specs[0].environment
-            self.asked_random_returns.append(task)
-            found.random_return = RandomReturn(task, 1, -1.0, -2.0, 0.0, 1000)
+        self._reports.append(found.begin(work))
+        found.is_frozen = self.is_freezing
+        if work.measure_random_return:
+            self.asked_random_returns.append(work.specs[0].environment)
 
     def drop(self, worker: str, seeds: Collection[int]) -> None:
-        if (found := self.workers.get(worker)) is not None and not found.is_deaf:
-            found.to_drop |= set(seeds)
+        if (found := self.workers.get(worker)) is not None:
+            found.drop(seeds)
 
     def kill(self, worker: str) -> None:
         self.crash(worker, "it was killed")
@@ -90,7 +132,7 @@ class FakePool:
             raise PoolUnavailableError(self.problem)
         for worker in list(self.workers.values()):
             if worker.specs and not worker.is_frozen:
-                self._cycle(worker)
+                self._reports += worker.cycle(self.diverging, self.raising)
         found, self._reports = self._reports, []
         return found
 
@@ -103,31 +145,3 @@ class FakePool:
         name = f"worker-{self._made}"
         self.workers[name] = FakeWorker(name)
         self._reports.append(Ready(name, 1000 + self._made, "here"))
-
-    def _cycle(self, worker: FakeWorker) -> None:
-        dropped = tuple(seed for seed in worker.seeds if seed in worker.to_drop)
-        worker.seeds = [seed for seed in worker.seeds if seed not in dropped]
-        worker.timestep += CYCLE
-        if worker.timestep == 2 * CYCLE and self.raising & set(worker.seeds):
-            self._reports.append(Failed(worker.name, "Traceback\nValueError: x", "output"))
-            worker.specs = ()
-            return
-        diverged: tuple[int, ...] = ()
-        if worker.timestep == 2 * CYCLE:
-            diverged = tuple(seed for seed in worker.seeds if seed in self.diverging)
-            worker.seeds = [seed for seed in worker.seeds if seed not in diverged]
-        is_over = worker.timestep >= worker.specs[0].timesteps
-        progress = Progress(
-            timestep=worker.timestep,
-            measurements=tuple(measurement_of(seed, worker.timestep) for seed in worker.seeds),
-            diverged=tuple(Divergence(s, worker.timestep, 7, "critic loss") for s in diverged),
-            finished=tuple(worker.seeds) if is_over else (),
-            dropped=dropped,
-            fingerprint={"cpu": "a"} if worker.timestep == CYCLE else {},
-            random_return=worker.random_return,
-        )
-        worker.random_return = None
-        self._reports.append(News(worker.name, progress))
-        if is_over or not worker.seeds:
-            self._reports.append(Ended(worker.name))
-            worker.specs = ()

@@ -11,8 +11,9 @@ import pytest
 from tests.workers.processes import listening_beyond_loopback, processes_with
 from workers.pool import PoolUnavailableError
 from workers.pool_process import PoolProcess, PoolSettings, pool_environment
-from workers.report import Ended, Failed, Lost, News, Ready, Report
+from workers.report import Busy, Ended, Failed, Lost, News, Ready, Report
 from workers.run_spec import RunSpec
+from workers.work import Work
 
 pytestmark = pytest.mark.cluster
 
@@ -28,6 +29,7 @@ class Heard:
         self.settings = PoolSettings(workers=2, ray_address="", data_dir=folder)
         self.pool = PoolProcess(self.settings)
         self.reports: list[Report] = []
+        self.cohorts = 0
 
     def wait_for(self, is_it: Callable[[Report], bool]) -> Report:
         """Listen until a report comes that is the one."""
@@ -46,8 +48,13 @@ class Heard:
         assert isinstance(ready, Ready)
         return ready
 
-    def train(self, worker: str, specs: list[RunSpec]) -> None:
-        self.pool.train(worker, specs, measure_random_return=False)
+    def train(self, worker: str, specs: list[RunSpec], *, measure: bool = False) -> str:
+        """Have specs trained; the cohort's name."""
+        self.cohorts += 1
+        cohort = f"cohort-{self.cohorts}"
+        work = Work(cohort, tuple(specs), measure, {"note": self.cohorts})
+        self.pool.train(worker, work)
+        return cohort
 
     def wait_for_training(self, worker: str) -> None:
         def is_training(report: Report) -> bool:
@@ -98,8 +105,9 @@ def test_every_process_has_the_token_and_one_thread(heard: Heard, workers: list[
 
 def test_trains_a_cohort(heard: Heard, workers: list[Ready]) -> None:
     worker = workers[0].worker
-    heard.pool.train(worker, SPECS, measure_random_return=True)
-    heard.wait_for(lambda report: report == Ended(worker))
+    cohort = heard.train(worker, SPECS, measure=True)
+    heard.wait_for(lambda report: report == Ended(worker, cohort))
+    assert Busy(worker, cohort, {"note": heard.cohorts}) in heard.reports
     news = [r.progress for r in heard.reports if isinstance(r, News) and r.worker == worker]
     points = [(m.seed, m.timestep) for progress in news for m in progress.measurements]
     assert sorted(points) == [(seed, step) for seed in range(4) for step in (800, 1600)]
@@ -115,20 +123,20 @@ def test_an_error_in_code_leaves_the_worker_alive(heard: Heard, workers: list[Re
     assert isinstance(failed, Failed)
     assert "no such learner" in failed.error
     assert failed.error.startswith("Traceback (most recent call last)")
-    heard.train(worker, SPECS[:1])
-    heard.wait_for(lambda report: report == Ended(worker))
+    cohort = heard.train(worker, SPECS[:1])
+    heard.wait_for(lambda report: report == Ended(worker, cohort))
 
 
 def test_drops_seeds_while_it_trains(heard: Heard, workers: list[Ready]) -> None:
     worker = workers[0].worker
-    heard.train(worker, ENDLESS)
+    cohort = heard.train(worker, ENDLESS)
     heard.wait_for_training(worker)
     begun = time.monotonic()
     heard.pool.drop(worker, [1])
     heard.wait_for(lambda report: isinstance(report, News) and report.progress.dropped == (1,))
     assert time.monotonic() - begun < 5.0
     heard.pool.drop(worker, [0])
-    heard.wait_for(lambda report: report == Ended(worker))
+    heard.wait_for(lambda report: report == Ended(worker, cohort))
 
 
 def test_a_killed_worker_is_told_and_replaced(heard: Heard, workers: list[Ready]) -> None:

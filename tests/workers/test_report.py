@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from algorithms.measurement import Divergence, Measurement
 from workers.progress import Activity, Progress
 from workers.random_return import RandomReturn
-from workers.report import Ended, Failed, Lost, News, Ready, Report, from_line, to_line
+from workers.report import Busy, Ended, Failed, Lost, News, Ready, Report, from_line, to_line
 
 COUNTS = st.integers(0, 2**53)
 MEASUREMENTS = st.builds(
@@ -31,11 +31,13 @@ MEASUREMENTS = st.builds(
     "report",
     [
         Ready("worker-1", 4711, "here"),
-        Ended("worker-1"),
-        Failed("worker-1", "Traceback\nValueError: 'ü'\n", "a\nb"),
+        Busy("worker-1", "a-0/1", {"worker": "worker-1"}),
+        Ended("worker-1", "a-0/1"),
+        Failed("worker-1", "a-0/1", "Traceback\nValueError: 'ü'\n", "a\nb"),
         Lost("worker-1", "killed", ""),
         News(
             "worker-1",
+            "a-0/1",
             Progress(
                 1600,
                 Activity.COMPILING,
@@ -57,7 +59,7 @@ def test_survives_as_a_line(report: Report) -> None:
 
 @given(st.lists(MEASUREMENTS, max_size=3))
 def test_measurements_survive_bit_for_bit(measurements: list[Measurement]) -> None:
-    report = from_line(to_line(News("w", Progress(0, measurements=tuple(measurements)))))
+    report = from_line(to_line(News("w", "a-0/1", Progress(0, measurements=tuple(measurements)))))
     assert isinstance(report, News)
     assert [bits_of(m) for m in report.progress.measurements] == [bits_of(m) for m in measurements]
 

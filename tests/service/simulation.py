@@ -1,0 +1,551 @@
+"""A seeded world around the scheduler, in which everything goes wrong that can.
+
+The workers are pretended, the clock is a number, the store is real; the seed decides what happens
+in which order. One step is one thing that happens: a worker trains a cycle, a report arrives (late,
+or twice), a command is carried out (or refused, or its answer is lost), somebody cancels, a worker
+crashes or freezes or vanishes, the service is killed or frozen, the cluster goes. After each step
+the promises are checked that the step could have broken.
+"""
+
+import random
+from collections import deque
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import pysqlite3.dbapi2
+from sqlalchemy import Connection, Engine, create_engine, event
+from sqlalchemy.pool import StaticPool
+
+from service.run import FINAL, RunStatus
+from service.scheduler import DispatchTimes, State, step
+from service.scheduler_messages import (
+    AskCancelling,
+    AskWaiting,
+    Cancelling,
+    ClaimCohort,
+    Claimed,
+    Command,
+    Drop,
+    Event,
+    Fail,
+    Kill,
+    Lose,
+    LoseExpired,
+    PoolLost,
+    Record,
+    Recorded,
+    Release,
+    StartPool,
+    Tick,
+    Train,
+    Waiting,
+)
+from service.store.migration import upgrade
+from service.store.refusal import ImpossibleMoveError, NotFoundError
+from service.store.retry import RetryPolicy
+from service.store.store import Store
+from tests.service.fake_pool import CYCLE, FakeWorker, measurement_of
+from workers.progress import Progress
+from workers.report import Busy, Ended, Failed, Lost, News, Ready, Report
+from workers.run_spec import RunSpec
+
+WORKERS = 3
+TIMESTEPS = 4 * CYCLE
+DIVERGING, RAISING = {3}, {5}
+TIMES = DispatchTimes()
+RETRY = RetryPolicy(losses=6, first_wait_seconds=0.5, longest_wait_seconds=4.0)
+LONGEST_STEP = 1.0
+"""Seconds that pass at most from one tick to the next while nothing is frozen."""
+
+
+QUESTIONS = (AskCancelling, AskWaiting, Train, Drop, Kill, StartPool)
+"""Commands that change nothing in the store."""
+
+
+@dataclass
+class SimulatedWorker:
+    """A worker, and its reports that have not arrived yet."""
+
+    worker: FakeWorker
+    reports: deque[Report] = field(default_factory=deque)
+    is_gone: bool = False
+    is_ended: bool = False  # gone, and the pool knows
+    standing: Report | None = None  # what it does, as far as its reports have arrived
+
+    def hear(self, report: Report) -> None:
+        """Note what it does."""
+        if isinstance(report, Ready | Busy):
+            self.standing = report
+        elif isinstance(report, Ended | Failed):
+            self.standing = Ready(self.worker.name, 1, "here")
+
+    @property
+    def is_training(self) -> bool:
+        """Whether it gets on."""
+        return bool(self.worker.specs) and not self.worker.is_frozen and not self.is_gone
+
+
+@dataclass
+class Model:
+    """What must be so of a run, kept from the store's own events."""
+
+    seed: int
+    status: str = RunStatus.QUEUED
+    attempt: int = 0
+    measured: set[int] = field(default_factory=set)
+
+
+class Simulation:
+    """One world; `run(steps)` makes so many things happen, then heals it and waits for the end.
+
+    What may happen returns whether it did.
+    """
+
+    def __init__(self, seed: int) -> None:
+        self.random = random.Random(seed)  # noqa: S311
+        self.now = 1000.0
+        self.engine = _memory(lambda: self.now)
+        self.store = Store(self.engine, self.engine, RETRY)
+        self.state = State()
+        self.commands: deque[Command] = deque()
+        self.workers: dict[str, SimulatedWorker] = {}
+        self.names = 0
+        self.cluster_is_gone = False
+        self.refusals: deque[str] = deque()
+        self.models: dict[str, Model] = {}
+        self.seen_event = 0
+        self.steps = 0
+        self.excused_until = 0.0
+        self.in_hand: tuple[SimulatedWorker, Report] | None = None
+        self.delivered: deque[Report] = deque(maxlen=50)
+        self.story: deque[str] = deque(maxlen=40)
+
+    def close(self) -> None:
+        """Let go of the database."""
+        self.store.close()
+
+    def run(self, steps: int) -> None:
+        """Make things happen, then let no more go wrong and see all work done."""
+        happenings: list[tuple[Callable[[], bool], float]] = [
+            (self.train, 40),
+            (self.deliver, 40),
+            (self.carry_out, 80),
+            (self.tick, 10),
+            (self.submit, 4),
+            (self.beat, 4),
+            (self.cancel_run, 0.5),
+            (self.cancel_sweep, 0.1),
+            (self.crash, 0.8),
+            (self.vanish, 0.3),
+            (self.freeze, 0.5),
+            (self.thaw, 1),
+            (self.repeat, 2),
+            (self.reap, 0.5),
+            (self.refuse, 0.5),
+            (self.kill_service, 0.3),
+            (self.freeze_service, 0.2),
+            (self.lose_cluster, 0.1),
+            (self.restore_cluster, 0.5),
+        ]
+        acts, weights = zip(*happenings, strict=True)
+        while self.steps < steps:
+            [act] = self.random.choices(acts, weights)
+            self.steps += act()
+        self.heal()
+
+    def heal(self) -> None:
+        """Every fault ceases; then all that was asked for is done, soon."""
+        self.refusals.clear()
+        self.restore_cluster()
+        for simulated in self.workers.values():
+            simulated.worker.is_frozen = simulated.worker.is_deaf = False
+        deadline = self.now + 400.0
+        while any(model.status not in FINAL for model in self.models.values()):
+            assert self.now < deadline, f"not done: {self.models}"
+            self.steps += 1
+            for name in list(self.workers):
+                self.train(name)
+                while name in self.workers and self.workers[name].reports:
+                    self.finish_commands()
+                    self.deliver(name)
+            self.finish_commands()
+            self.tick()
+            self.finish_commands()
+        self.check_counts()
+        for name in self.models:
+            self.check_curve(name)
+
+    def finish_commands(self) -> None:
+        """Carry out all that was commanded."""
+        while self.commands:
+            self.carry_out()
+
+    # ---- the service
+
+    def tell(self, happened: object) -> None:
+        """Note what happened, for whoever reads of a failure."""
+        self.story.append(f"{self.now:.2f} {happened}"[:300])
+
+    def give(self, happening: Event) -> None:
+        """Have the scheduler take an event into account."""
+        self.tell(happening)
+        self.state, commands = step(self.state, happening, self.now, TIMES)
+        self.commands.extendleft(reversed(commands))
+
+    def tick(self) -> bool:
+        """Let some time pass; the thread has its round, unless the store holds it up."""
+        if self.commands and not self.refusals:
+            return False
+        self.now += self.random.uniform(0.01, LONGEST_STEP)
+        if self.commands:
+            self.excuse()  # held up by the store, which cannot end leases either
+            return True
+        self.give(Tick())
+        self.check_leases()
+        return True
+
+    def carry_out(self) -> bool:
+        """Carry out the next command, if the store lets it happen; its answer is the next event."""
+        if not self.commands:
+            return False
+        command = self.commands[0]
+        held = self.holding(command) if isinstance(command, Record) else {}
+        fault = self.refusals.popleft() if self.refusals else ""
+        if fault == "refused":
+            return True
+        answer = self.do(command)
+        if not isinstance(command, QUESTIONS):
+            self.read_events(held)
+        if fault == "answer lost":  # done, but it will be done again
+            return True
+        self.tell(command)
+        self.commands.popleft()
+        if answer is not None:
+            self.give(answer)
+        return True
+
+    def do(self, command: Command) -> Event | None:
+        """Do what `service/dispatch.py` does."""
+        match command:
+            case Record(claim, news):
+                return Recorded(news, frozenset(self.store.record(claim, news.progress)))
+            case Lose(claim, reason, log_tail):
+                self.store.lose(claim, reason, log_tail)
+            case Release(claim, reason):
+                self.store.release(claim, reason)
+            case Fail(claim, error, log_tail):
+                self.store.fail(claim, error, log_tail)
+            case LoseExpired():
+                self.store.lose_expired()
+            case AskCancelling():
+                return Cancelling(frozenset(self.store.cancelling_runs()))
+            case AskWaiting():
+                return Waiting(self.store.waiting_runs(), frozenset())
+            case ClaimCohort(worker, lease, limit):
+                return Claimed(worker, self.store.claim_cohort(worker, lease, limit))
+            case Train(worker, work):
+                simulated = self.workers.get(worker)
+                if simulated is not None and not simulated.is_gone:
+                    simulated.reports.append(simulated.worker.begin(work))
+            case Drop(worker, seeds):
+                if worker in self.workers:
+                    self.workers[worker].worker.drop(seeds)
+            case Kill(worker):
+                self.end(worker)
+            case StartPool():
+                return self.start_pool()
+        return None
+
+    def start_pool(self) -> PoolLost | None:
+        if self.cluster_is_gone:
+            return PoolLost("nothing answers", "12:00:00")
+        if self.workers:  # it outlived the service; each worker says what it does
+            for simulated in self.workers.values():
+                if simulated.standing is not None:
+                    simulated.reports.appendleft(simulated.standing)
+            return None
+        for _ in range(WORKERS):
+            self.make_worker()
+        return None
+
+    def kill_service(self) -> bool:
+        """Forget everything but the store; the workers go with it, or are found again."""
+        self.tell("the service is killed")
+        if self.commands and self.in_hand is not None:
+            simulated, report = self.in_hand
+            simulated.reports.appendleft(report)  # it will be told again
+            self.in_hand = None
+        self.acknowledge()
+        self.state, self.commands = State(), deque()
+        if self.random.random() < 0.5:
+            self.workers.clear()
+        self.now += self.random.uniform(0.5, 60.0)
+        self.excuse()
+        return True
+
+    def freeze_service(self) -> bool:
+        """Neither the service nor anything that it would have heard gets on."""
+        self.now += self.random.uniform(1.0, 300.0)
+        self.tell("the service was frozen")
+        self.excuse()
+        if self.random.random() < 0.5:
+            self.reap()
+        return True
+
+    def refuse(self) -> bool:
+        """The database takes nothing, or takes it and does not say so."""
+        fault = self.random.choice(["refused", "answer lost"])
+        self.refusals.extend([fault] * self.random.randint(1, 5))
+        return True
+
+    def excuse(self) -> None:
+        """Leases could not be renewed until now, so none is looked at for the time of one."""
+        self.excused_until = self.now + TIMES.lease + 2 * LONGEST_STEP
+
+    # ---- the workers
+
+    def make_worker(self) -> None:
+        """Bring up another worker."""
+        self.names += 1
+        name = f"worker-{self.names}"
+        self.workers[name] = SimulatedWorker(FakeWorker(name), deque([Ready(name, 1, "here")]))
+
+    def any_worker(self) -> str:
+        return self.random.choice(list(self.workers)) if self.workers else ""
+
+    def train(self, name: str | None = None) -> bool:
+        """Have a worker train a cycle."""
+        simulated = self.workers.get(name or self.any_worker())
+        if simulated is None or not simulated.is_training:
+            return False
+        simulated.reports += simulated.worker.cycle(DIVERGING, RAISING)
+        return True
+
+    def beat(self) -> bool:
+        """Have a worker say that it lives."""
+        simulated = self.workers.get(self.any_worker())
+        if simulated is None or not simulated.is_training:
+            return False
+        worker = simulated.worker
+        simulated.reports.append(News(worker.name, worker.cohort, Progress(worker.timestep)))
+        return True
+
+    def deliver(self, name: str | None = None) -> bool:
+        """Have a worker's next report arrive, where the thread has time for it."""
+        name = name or self.any_worker()
+        if name not in self.workers or self.commands or not self.state.pool_is_up:
+            return False
+        reports = self.workers[name].reports
+        if not reports:
+            return False
+        self.acknowledge()
+        self.in_hand = (self.workers[name], reports.popleft())
+        self.give(self.in_hand[1])
+        return True
+
+    def acknowledge(self) -> None:
+        """All that the last report led to is in the store: it need not be told again."""
+        if self.in_hand is None:
+            return
+        simulated, report = self.in_hand
+        self.in_hand = None
+        self.delivered.append(report)
+        simulated.hear(report)
+        if isinstance(report, Lost):
+            del self.workers[simulated.worker.name]
+
+    def repeat(self) -> bool:
+        """Have a report arrive once more, however long ago it did."""
+        if self.commands or not self.state.pool_is_up or not self.delivered:
+            return False
+        self.give(self.random.choice(self.delivered))
+        return True
+
+    def crash(self) -> bool:
+        """End a worker's process; what it had said may yet arrive."""
+        return self.end(self.any_worker())
+
+    def vanish(self) -> bool:
+        """As `crash`, and nobody notices."""
+        simulated = self.workers.get(self.any_worker())
+        if simulated is None or simulated.is_gone:
+            return False
+        simulated.is_gone = True
+        return True
+
+    def end(self, name: str) -> bool:
+        simulated = self.workers.get(name)
+        if simulated is None or simulated.is_ended:
+            return False
+        simulated.is_gone = simulated.is_ended = True
+        simulated.reports.append(Lost(name, "its worker was lost: SIGKILL", "last words"))
+        self.make_worker()
+        return True
+
+    def freeze(self) -> bool:
+        """Stop a worker, or make it deaf to what it is told."""
+        simulated = self.workers.get(self.any_worker())
+        if simulated is None:
+            return False
+        if self.random.random() < 0.5:
+            simulated.worker.is_frozen = True
+        else:
+            simulated.worker.is_deaf = True
+        return True
+
+    def thaw(self) -> bool:
+        """Have a worker go on."""
+        simulated = self.workers.get(self.any_worker())
+        if simulated is None or not simulated.worker.is_frozen:
+            return False
+        simulated.worker.is_frozen = False
+        return True
+
+    def lose_cluster(self) -> bool:
+        """Every worker goes at once, and no other comes until the cluster is restored."""
+        if self.commands or not self.state.pool_is_up:
+            return False
+        self.cluster_is_gone = True
+        self.in_hand = None
+        self.workers.clear()
+        self.give(PoolLost("its head is gone", "12:00:00"))
+        return True
+
+    def restore_cluster(self) -> bool:
+        """Let the cluster be had again."""
+        was_gone, self.cluster_is_gone = self.cluster_is_gone, False
+        return was_gone
+
+    # ---- the clients
+
+    def submit(self) -> bool:
+        """A small sweep; now and then one whose code raises."""
+        if sum(model.status not in FINAL for model in self.models.values()) > 12:
+            return False
+        seeds = [5] if self.random.random() < 0.1 else list(range(self.random.randint(1, 4)))
+        specs = [RunSpec("ddpg", "Pendulum", seed, timesteps=TIMESTEPS) for seed in seeds]
+        sweep = self.store.create_sweep(
+            "x", self.random.randint(0, 1), {}, specs, environment_versions={"Pendulum": 1}
+        )
+        for ordinal, seed in enumerate(seeds):
+            self.models[f"{sweep.id}-{ordinal}"] = Model(seed)
+        return True
+
+    def cancel_run(self) -> bool:
+        """Cancel any run, one that has ended too."""
+        return self.ask(self.store.cancel_run, self.any_run())
+
+    def cancel_sweep(self) -> bool:
+        """Cancel any sweep."""
+        return self.ask(self.store.cancel_sweep, self.any_run().partition("-")[0])
+
+    def any_run(self) -> str:
+        return self.random.choice(list(self.models)) if self.models else "none-0"
+
+    def reap(self) -> bool:
+        """Another service on the same database ends what leases have run out."""
+        self.tell("another service looks for expired leases")
+        self.store.lose_expired()
+        self.read_events({})
+        return True
+
+    def ask(self, move: Callable[[str], object], name: str) -> bool:
+        """Ask the store for a move as a client would, who is told where it is impossible."""
+        try:
+            move(name)
+        except (ImpossibleMoveError, NotFoundError):
+            return False
+        self.read_events({})
+        return True
+
+    # ---- the promises
+
+    def holding(self, record: Record) -> dict[str, int]:
+        """The runs of a claim that are its own before it is written under."""
+        return {
+            run.run_id: run.attempt
+            for run in record.claim.runs
+            if self.models[run.run_id].status == RunStatus.RUNNING
+            and self.models[run.run_id].attempt == run.attempt
+        }
+
+    def read_events(self, holding: dict[str, int]) -> None:
+        """Keep the model, and see that no event says what may not be."""
+        for entry in self.store.events_after(self.seen_event):
+            self.seen_event = entry.id
+            if entry.kind == "run":
+                self.check_move(entry.payload["run_id"], entry.payload)
+            elif entry.kind == "measurements":
+                name = entry.payload["run_id"]
+                assert name in holding, f"{name} was measured by an attempt that was given up"
+                model = self.models[name]
+                fresh = set(range(entry.payload["from"], entry.payload["to"] + 1, CYCLE))
+                assert not fresh & model.measured, f"{name} was measured twice"
+                model.measured |= fresh
+
+    def check_move(self, name: str, payload: Mapping[str, Any]) -> None:
+        """Final states never change, and an attempt is opened by a claim alone."""
+        model, status = self.models[name], str(payload["status"])
+        assert model.status not in FINAL, f"{name} was {model.status} and became {status}"
+        begins = status == RunStatus.RUNNING
+        assert payload["attempt"] == model.attempt + begins
+        assert not begins or model.status == RunStatus.QUEUED
+        model.status, model.attempt = status, model.attempt + begins
+        if status in FINAL:
+            self.check_curve(name)
+
+    def check_curve(self, name: str) -> None:
+        """A curve is the undisturbed one: whole where its run finished, else its beginning."""
+        model = self.models[name]
+        points = self.store.measurements(name)
+        steps = [CYCLE * (index + 1) for index in range(len(points))]
+        assert points == [measurement_of(model.seed, timestep) for timestep in steps]
+        if model.status == RunStatus.SUCCEEDED:
+            assert len(points) == TIMESTEPS // CYCLE
+        if model.status == RunStatus.DIVERGED:
+            assert model.seed in DIVERGING
+            assert len(points) == 1
+
+    def check_leases(self) -> None:
+        """No run is running for long without a live lease."""
+        with self.engine.connect() as connection:
+            oldest = _oldest_lease(connection)
+        if self.now > self.excused_until and oldest is not None:
+            overdue = self.now - oldest
+            assert overdue <= TIMES.expiry + 2 * LONGEST_STEP, f"a lease ended {overdue} s ago"
+
+    def check_counts(self) -> None:
+        """The counts of each sweep are those of its runs."""
+        for sweep in self.store.list_sweeps(limit=10_000):
+            statuses = [m.status for n, m in self.models.items() if n.startswith(f"{sweep.id}-")]
+            for status in RunStatus:
+                assert getattr(sweep.runs, status.value) == statuses.count(status)
+
+
+def _oldest_lease(connection: Connection) -> float | None:
+    query = "SELECT min(lease_until) FROM runs WHERE status = 'running'"
+    oldest: float | None = connection.exec_driver_sql(query).scalar()
+    return oldest
+
+
+def _memory(clock: Callable[[], float]) -> Engine:
+    """A SQLite in memory with this version's tables, whose clock is the simulation's."""
+    engine = create_engine(
+        "sqlite://",
+        module=pysqlite3.dbapi2,
+        poolclass=StaticPool,
+        connect_args={"check_same_thread": False},
+    )
+
+    @event.listens_for(engine, "connect")
+    def prepare(connection: "pysqlite3.dbapi2.Connection", entry: object) -> None:
+        connection.isolation_level = None
+        connection.create_function("unixepoch", -1, lambda *_: clock())
+
+    @event.listens_for(engine, "begin")
+    def start(connection: Connection) -> None:
+        connection.exec_driver_sql("BEGIN")
+
+    upgrade(engine)
+    return engine
