@@ -10,6 +10,7 @@ from itertools import combinations
 
 import numpy as np
 
+from algorithms.threads import one_thread
 from service.comparison import grouped
 from service.curves import Floats
 from service.score_statistics import (
@@ -88,12 +89,15 @@ def sweep_statistics(cells: Sequence[CellScores]) -> SweepStatistics:
     tasks = tuple(task for task, without in lacking.items() if not without and covered)
     scored = [_scored(label, [own[task] for task in tasks]) for label, own in covered.items()]
     thresholds = _thresholds(scored) if tasks else np.empty(0)
+    with one_thread():  # the products are small, and their bits are not to depend on the cores
+        labels = tuple(_label_statistics(one, thresholds) for one in scored if tasks)
+        improvements = tuple(_improvement(x, y) for x, y in combinations(scored, 2) if tasks)
     return SweepStatistics(
         tasks=tasks,
         lacking={task: without for task, without in lacking.items() if task not in tasks},
         unscored=tuple(unscored),
-        labels=tuple(_label_statistics(one, thresholds) for one in scored if tasks),
-        improvements=tuple(_improvement(x, y) for x, y in combinations(scored, 2) if tasks),
+        labels=labels,
+        improvements=improvements,
         thresholds=thresholds,
     )
 
