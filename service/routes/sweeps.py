@@ -6,8 +6,9 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import JSONResponse
 
+from service.cost import cell_costs
 from service.problems import ImpossibleMove
-from service.routes.context import TheStore, TheSweep
+from service.routes.context import TheDispatcher, TheStore, TheSweep
 from service.schemas.page import Page, PageQuery, page_of, read_cursor
 from service.schemas.sweep_answer import DryRunAnswer, SweepAnswer
 from service.schemas.sweep_request import SweepRequest
@@ -27,12 +28,18 @@ def submit_sweep(
     request: SweepRequest,
     response: Response,
     store: TheStore,
-    dry_run: Annotated[bool, Query(description="Only say what would be queued.")] = False,
+    dispatcher: TheDispatcher,
+    dry_run: Annotated[
+        bool, Query(description="Only say what would be queued, and about what it would cost.")
+    ] = False,
 ) -> SweepAnswer | JSONResponse:
     """Queue a sweep: all of its runs in one transaction, or none."""
     planned = plan(request)
     if dry_run:
-        return JSONResponse(DryRunAnswer.of(planned).model_dump(mode="json"))
+        past = store.past_costs(planned.algorithms, planned.environment_versions)
+        costs = cell_costs(planned.cells, len(planned.seeds), past)
+        answer = DryRunAnswer.of(planned, costs, len(dispatcher.workers))
+        return JSONResponse(answer.model_dump(mode="json"))
     sweep = store.create_sweep(
         request.name,
         request.priority,

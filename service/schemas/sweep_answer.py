@@ -1,12 +1,14 @@
 """A sweep, and what one would be, as answers show them."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from datetime import datetime
 from typing import Any, Self
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from service.cost import Basis, CellCost, explain, total_core_seconds, wall_seconds
+from service.schemas.number import finite_or_none
 from service.schemas.run_answer import WeightsAnswer, as_time
 from service.submission.plan import Plan
 from service.sweep import RunCounts, Sweep, SweepStatus
@@ -40,29 +42,66 @@ class RunCountsAnswer(BaseModel):
         return cls(total=counts.total, **asdict(counts))
 
 
+class CostAnswer(BaseModel):
+    """What runs will cost, and how that is known."""
+
+    core_seconds: float | None = Field(description="Of all seeds together; null: not known.")
+    basis: Basis = Field(description="Which finished runs it is learnt from.")
+    runs: int = Field(description="How many those are.")
+
+
+class PlannedCellAnswer(CellAnswer):
+    """A cell that would be queued."""
+
+    cost: CostAnswer
+
+
+class EstimateOfCostAnswer(BaseModel):
+    """What all cells of known cost will take together."""
+
+    core_seconds: float | None
+    wall_seconds: float | None = Field(
+        description="On `workers` workers that do nothing else; null while there are none."
+    )
+    workers: int = Field(description="Workers that are up now.")
+    explanation: str
+
+
 class DryRunAnswer(BaseModel):
-    """What a submission would queue."""
+    """What a submission would queue, and about what it would cost."""
 
     runs: RunCountsAnswer
     timesteps: int = Field(description="Environment steps of all runs together.")
-    cells: list[CellAnswer]
+    cells: list[PlannedCellAnswer]
+    estimate: EstimateOfCostAnswer
 
     @classmethod
-    def of(cls, plan: Plan) -> Self:
-        """Show a plan."""
+    def of(cls, plan: Plan, costs: Sequence[CellCost], workers: int) -> Self:
+        """Show a plan and the costs of its cells."""
         cells = [
-            CellAnswer(
+            PlannedCellAnswer(
                 algorithm=cell.algorithm,
                 environment=cell.environment,
                 weights=WeightsAnswer(w1=cell.weights[0], w2=cell.weights[1]),
                 config=dict(cell.config),
                 timesteps=cell.timesteps,
                 seeds=len(plan.seeds),
+                cost=CostAnswer(
+                    core_seconds=finite_or_none(cost.core_seconds),
+                    basis=cost.basis,
+                    runs=cost.runs,
+                ),
             )
-            for cell in plan.cells
+            for cell, cost in zip(plan.cells, costs, strict=True)
         ]
         counts = RunCountsAnswer.of(RunCounts(queued=plan.runs))
-        return cls(runs=counts, timesteps=plan.timesteps, cells=cells)
+        estimate = EstimateOfCostAnswer(
+            core_seconds=finite_or_none(total_core_seconds(costs)),
+            wall_seconds=finite_or_none(wall_seconds(costs, workers)),
+            workers=workers,
+            explanation=explain(costs),
+        )
+        return cls(runs=counts, timesteps=plan.timesteps, cells=cells, estimate=estimate)
 
 
 class SweepAnswer(BaseModel):

@@ -10,19 +10,21 @@ what was under way then happens once, and late.
 One store writes to a database: a second is refused (on SQLite by the lock on the data directory).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any, Self
 
 from sqlalchemy import Connection, Engine, text
 
 from algorithms.measurement import Measurement
 from service.claim import Claim
+from service.cost import PastCost
 from service.event import Event
 from service.metrics import MEASUREMENTS
 from service.run import Attempt, Run, RunStatus
 from service.run_curve import RunCurve
 from service.store import (
     claims,
+    costs,
     endings,
     events,
     measurements,
@@ -229,6 +231,13 @@ class Store:
     def random_returns(self) -> dict[tuple[str, int], RandomReturn]:
         """Return every random return by (environment, version)."""
         return self._reader.read(random_returns.of_all)
+
+    def past_costs(
+        self, algorithms: Collection[str], environments: Collection[str]
+    ) -> list[PastCost]:
+        """Return what the latest finished runs of these algorithms and environments have cost."""
+        with self._readers.connect() as connection:
+            return costs.past(connection, algorithms, environments)
 
     # ---- events
 

@@ -33,6 +33,11 @@ class Plan:
         return sum(cell.timesteps for cell in self.cells) * len(self.seeds)
 
     @property
+    def algorithms(self) -> frozenset[str]:
+        """Their names."""
+        return frozenset(cell.algorithm for cell in self.cells)
+
+    @property
     def environment_versions(self) -> Mapping[str, int]:
         """Under which version of its numbers each environment is run."""
         names = {cell.environment for cell in self.cells}

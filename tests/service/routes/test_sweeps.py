@@ -1,5 +1,7 @@
 """Sweeps over REST: submitted, listed, shown, cancelled."""
 
+from typing import Any
+
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -7,7 +9,8 @@ from starlette.testclient import TestClient
 
 from service.schemas.sweep_request import MAX_NAME, MAX_SEED
 from service.store.store import Store
-from tests.service.conftest import SWEEP, algorithm, changed
+from tests.service.conftest import SWEEP, FakeDispatcher, algorithm, changed
+from tests.service.training import train
 
 
 def test_a_product_becomes_runs(client: TestClient, store: Store) -> None:
@@ -60,6 +63,34 @@ def test_a_dry_run_queues_nothing(client: TestClient) -> None:
         ("hybrid-ddpg", "Pendulum", 3),
     ]
     assert client.get("/api/v1/sweeps").json()["items"] == []
+
+
+def test_a_dry_run_learns_what_runs_cost(client: TestClient, store: Store) -> None:
+    def answer() -> Any:
+        return client.post("/api/v1/sweeps?dry_run=true", json=SWEEP).json()
+
+    unlearnt = answer()
+    assert {cell["cost"]["basis"] for cell in unlearnt["cells"]} == {"built-in figures"}
+    client.post("/api/v1/sweeps", json=SWEEP)
+    train(store, 5, lambda *_: 0.0)
+    learnt = answer()
+    # Seed s of `train` takes 4 s + s / 100 for 4000 timesteps: 12.03 s the three of a cell.
+    for cell in learnt["cells"]:
+        assert (cell["cost"]["basis"], cell["cost"]["runs"]) == ("same settings", 3)
+        assert cell["cost"]["core_seconds"] == pytest.approx(12.03)
+    estimate = learnt["estimate"]
+    assert estimate["core_seconds"] == pytest.approx(4 * 12.03)
+    assert estimate["workers"] == 2
+    assert estimate["wall_seconds"] == pytest.approx(2 * 12.03)
+    assert estimate["explanation"] == "4 of 4 cells from finished runs with the same settings."
+
+
+def test_without_workers_there_is_no_wall_time(
+    client: TestClient, dispatcher: FakeDispatcher
+) -> None:
+    dispatcher.workers = {}
+    estimate = client.post("/api/v1/sweeps?dry_run=true", json=SWEEP).json()["estimate"]
+    assert (estimate["wall_seconds"], estimate["workers"]) == (None, 0)
 
 
 names = st.text(min_size=1, max_size=MAX_NAME).filter(lambda name: "\0" not in name)
