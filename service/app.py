@@ -1,12 +1,17 @@
 """The application: routes, what stands in front of them, and what they are given.
 
 From outside in: request id, access log, the guard (host, origin, token), the body limit, routes.
-Whoever makes the application opens and closes store and dispatcher; no Ray and no torch here.
+Whoever makes the application opens and closes store and dispatcher; no Ray, torch or matplotlib
+here: figures are drawn in a process beside (`service/side_process.py`).
 """
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 
 from asgi_correlation_id import CorrelationIdMiddleware
 from fastapi import APIRouter, FastAPI
 from fastapi_offline import FastAPIOffline
+from starlette.concurrency import run_in_threadpool
 
 from service.access_token import access_token
 from service.body_limit import BodyLimit
@@ -18,6 +23,7 @@ from service.routes import (
     curves,
     documentation,
     events,
+    figures,
     health,
     measurements,
     metrics,
@@ -30,10 +36,18 @@ from service.routes import (
 from service.routes.context import Dispatcher
 from service.security import Guard
 from service.settings import Settings
+from service.side_process import SideProcess
 from service.store.store import Store
 
 PREFIX = "/api/v1"
-RESOURCES = (sweeps, runs, measurements, curves, scores, events, catalogue)
+RESOURCES = (sweeps, runs, measurements, curves, scores, figures, events, catalogue)
+
+
+@asynccontextmanager
+async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+    """Close what the application started itself."""
+    yield
+    await run_in_threadpool(app.state.side.close)
 
 
 def create_app(settings: Settings, store: Store, dispatcher: Dispatcher) -> FastAPI:
@@ -47,12 +61,14 @@ def create_app(settings: Settings, store: Store, dispatcher: Dispatcher) -> Fast
         openapi_url=f"{PREFIX}/openapi.json",
         static_url=documentation.ASSETS,
         generate_unique_id_function=lambda route: route.name,
+        lifespan=lifespan,
     )
     token = access_token(settings)
     app.state.token = token
     app.state.store = store
     app.state.dispatcher = dispatcher
     app.state.event_feed = EventFeed(store)
+    app.state.side = SideProcess()
     install_problem_handlers(app)
     api = APIRouter(prefix=PREFIX)
     for resource in RESOURCES:

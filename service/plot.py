@@ -12,7 +12,7 @@ import threading
 import unicodedata
 import warnings
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal
+from typing import Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
@@ -21,16 +21,10 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import EngFormatter
 
 from service.comparison import Comparison, LabelledCurve, Panel, definition
+from service.figure_form import Form
 from service.palette import colour
 
-Form = Literal["png", "svg", "pdf"]
 Style = Mapping[str, Any]
-
-MEDIA_TYPES: Mapping[Form, str] = {
-    "png": "image/png",
-    "svg": "image/svg+xml",
-    "pdf": "application/pdf",
-}
 
 COLUMN_INCHES = 2.8
 MIN_WIDTH_INCHES = 6.4

@@ -73,6 +73,18 @@ class ImpossibleMove(ConflictProblem):
     title = "That cannot be done now."
 
 
+class Busy(StatusProblem):
+    """503: later, perhaps."""
+
+    type_ = "busy"
+    title = "The service is busy."
+    status = 503
+
+    def __init__(self, detail: str) -> None:
+        """Refuse for this reason."""
+        super().__init__(detail, headers={"Retry-After": "5"})
+
+
 class InternalError(StatusProblem):
     """500: our fault."""
 

@@ -8,6 +8,7 @@ from fastapi import Depends, Request
 from service.event_feed import EventFeed
 from service.problems import NotFound, printable
 from service.run import Run
+from service.side_process import Side
 from service.store.store import Store
 from service.sweep import Sweep
 
@@ -41,6 +42,12 @@ def _dispatcher(request: Request) -> Dispatcher:
     return dispatcher
 
 
+def _side(request: Request) -> Side:
+    side: Side = request.app.state.side
+    return side
+
+
+TheSide = Annotated[Side, Depends(_side)]
 TheStore = Annotated[Store, Depends(_store)]
 TheEventFeed = Annotated[EventFeed, Depends(_event_feed)]
 TheDispatcher = Annotated[Dispatcher, Depends(_dispatcher)]

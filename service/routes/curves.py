@@ -1,5 +1,6 @@
-"""Curves and figures of a sweep, both from one aggregate."""
+"""Curves of a sweep: what its figures are drawn from too."""
 
+from collections.abc import Collection
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Response
@@ -8,7 +9,6 @@ from pydantic import BaseModel, ConfigDict, Field
 from service.comparison import METRIC_TEXT, RETURNS, Abscissa, Comparison, View, compare
 from service.curves import Band
 from service.environment import best_return
-from service.plot import MEDIA_TYPES, Form, draw
 from service.problems import Fault, InvalidRequest
 from service.routes.context import TheStore, TheSweep
 from service.routes.revalidation import RevalidatedRoute
@@ -16,14 +16,12 @@ from service.schemas.curves_answer import CurvesAnswer, curves_json
 from service.schemas.sweep_request import Text
 from service.store.store import Store
 from service.submission.nearest import unknown_name
-from service.sweep import Sweep
 
 router = APIRouter(prefix="/sweeps/{sweep_id}", tags=["curves"], route_class=RevalidatedRoute)
 
 DEFAULT_POINTS = 300
 MAX_POINTS = 10_000
 MAX_TOTAL_POINTS = 500_000
-MAX_FIGURE_CURVES = 500
 
 
 class BandQuery(BaseModel):
@@ -61,7 +59,7 @@ class CurveQuery(BandQuery):
 @router.get("/curves", response_model=CurvesAnswer)
 def get_curves(sweep: TheSweep, query: Annotated[CurveQuery, Query()], store: TheStore) -> Response:
     """Answer mean and band over seeds, exact, from all of them, with n."""
-    comparison = _compared(store, sweep.id, query, query.metric, query.seeds)
+    comparison = compared(store, sweep.id, query, query.metric, with_seeds=query.seeds)
     return Response(curves_json(sweep.id, comparison, query.seeds), media_type="application/json")
 
 
@@ -71,47 +69,35 @@ def get_metrics(sweep: TheSweep, store: TheStore) -> list[str]:
     return [*METRIC_TEXT, *store.diagnostic_names(sweep.id)]
 
 
-@router.get(
-    "/plot.{form}",
-    response_class=Response,
-    responses={200: {"content": {each: {} for each in MEDIA_TYPES.values()}}},
-)
-def get_plot(
-    sweep: TheSweep, form: Form, query: Annotated[BandQuery, Query()], store: TheStore
-) -> Response:
-    """Draw the paper's figure 4 for this sweep: return_mean above return_history."""
-    return Response(_figure(store, sweep, query, form), media_type=MEDIA_TYPES[form])
-
-
-def _compared(
-    store: Store, sweep_id: str, query: BandQuery, metric: str, with_seeds: bool
+def compared(
+    store: Store,
+    sweep_id: str,
+    query: BandQuery,
+    metric: str,
+    *,
+    with_seeds: bool = False,
+    algorithms: Collection[str] | None = None,
 ) -> Comparison:
-    """Return a sweep's comparison. Raises InvalidRequest for a metric that cannot be shown."""
+    """Return the comparison of a sweep's runs, or of those of some algorithms.
+
+    Raises InvalidRequest for a metric that cannot be shown.
+    """
     if metric not in RETURNS and metric not in (known := store.diagnostic_names(sweep_id)):
         raise InvalidRequest([unknown_name("metric", metric, [*sorted(RETURNS), *known])])
     if query.normalized and metric not in RETURNS:
         fault = Fault("normalized", f"only returns have a normalised scale, {metric!r} has none")
         raise InvalidRequest([fault])
-    runs = store.curve_points(sweep_id, metric, query.x)
+    runs = [
+        run
+        for run in store.curve_points(sweep_id, metric, query.x)
+        if algorithms is None or run.spec.algorithm in algorithms
+    ]
     lines = len(runs) if with_seeds else len({run.spec.cell for run in runs})
     view = View(
         metric=metric,
         normalized=metric in RETURNS if query.normalized is None else query.normalized,
         band=query.band,
         x=query.x,
-        max_points=min(query.max_points, max(2, MAX_TOTAL_POINTS // lines)),
+        max_points=min(query.max_points, max(2, MAX_TOTAL_POINTS // max(1, lines))),
     )
     return compare(runs, view, store.random_returns(), best_return)
-
-
-def _figure(store: Store, sweep: Sweep, query: BandQuery, form: Form) -> bytes:
-    """Draw a sweep. Raises InvalidRequest for one of more curves than eyes can tell apart."""
-    rows = [
-        _compared(store, sweep.id, query, metric, with_seeds=False)
-        for metric in ("return_mean", "return_history")
-    ]
-    curves = sum(len(panel.curves) for panel in rows[0].panels)
-    if curves > MAX_FIGURE_CURVES:
-        message = f"has {curves} curves; a figure shows at most {MAX_FIGURE_CURVES}"
-        raise InvalidRequest([Fault("sweep", message, MAX_FIGURE_CURVES)])
-    return draw(f"{sweep.name} ({sweep.id})", rows, form)

@@ -15,6 +15,7 @@ from starlette.testclient import TestClient
 from service.app import create_app
 from service.settings import Settings
 from service.store.store import Store
+from tests.service.same_process import SameProcess
 
 TOKEN = "token-of-the-tests-000000"  # noqa: S105
 BASE_URL = "http://127.0.0.1:8000"
@@ -68,7 +69,9 @@ def dispatcher() -> FakeDispatcher:
 
 @pytest.fixture
 def app(settings: Settings, store: Store, dispatcher: FakeDispatcher) -> FastAPI:
-    return create_app(settings, store, dispatcher)
+    app = create_app(settings, store, dispatcher)
+    app.state.side = SameProcess()
+    return app
 
 
 def client_of(app: FastAPI, token: str = TOKEN) -> TestClient:

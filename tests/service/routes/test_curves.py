@@ -2,49 +2,19 @@
 
 import json
 import statistics
-import xml.dom.minidom
 from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from pydantic import SecretStr
 from starlette.testclient import TestClient
 
 import physics
-from service.app import create_app
-from service.settings import Settings
 from service.store.store import Store
-from tests.service.conftest import SWEEP, TOKEN, FakeDispatcher, changed, client_of
-from tests.service.training import random_return, train
+from tests.service.conftest import SWEEP, changed
+from tests.service.training import RANDOM, rising, train
 from workers.run_spec import RunSpec
 
 Json = dict[str, Any]
-RANDOM = -1200.0
-
-
-def value(spec: RunSpec, timestep: int) -> float:
-    return RANDOM + timestep * (1 + spec.seed) / 100 + 50 * len(spec.algorithm)
-
-
-@pytest.fixture(scope="module")
-def reader(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
-    """A client of a service with one trained sweep of three seeds; tests only read."""
-    settings = Settings(data_dir=tmp_path_factory.mktemp("trained"), token=SecretStr(TOKEN))
-    store = Store.open(settings.store_url)
-    for environment in ("MassPoint", "Pendulum"):
-        store.record_random_return(random_return(environment, RANDOM))
-    client = client_of(create_app(settings, store, FakeDispatcher()))
-    client.post("/api/v1/sweeps", json=SWEEP)
-    train(store, 5, value)
-    yield client
-    store.close()
-
-
-@pytest.fixture(scope="module")
-def trained(reader: TestClient) -> str:
-    """The link of that sweep."""
-    (sweep,) = reader.get("/api/v1/sweeps").json()["items"]
-    return str(sweep["links"]["self"])
 
 
 def curves_of(answer: Json) -> Iterator[Json]:
@@ -71,7 +41,7 @@ def test_mean_and_band_of_all_seeds(reader: TestClient, trained: str) -> None:
             assert curve["n"] == [3] * 5
             for j, timestep in enumerate(curve["x"]):
                 seeds = [
-                    value(RunSpec(name, panel["environment"], seed), timestep) for seed in range(3)
+                    rising(RunSpec(name, panel["environment"], seed), timestep) for seed in range(3)
                 ]
                 mean, deviation = statistics.mean(seeds), statistics.stdev(seeds)
                 assert curve["mean"][j] == pytest.approx(mean, rel=1e-8)
@@ -94,7 +64,7 @@ def test_normalised_zero_is_random_and_one_is_the_best(reader: TestClient, train
 
 def test_without_a_random_return_nothing_is_normalised(client: TestClient, store: Store) -> None:
     link = client.post("/api/v1/sweeps", json=SWEEP).json()["links"]["self"]
-    train(store, 5, value)
+    train(store, 5, rising)
     response = client.get(f"{link}/curves")
     answer = json.loads(response.text, parse_constant=pytest.fail)
     for panel in answer["panels"]:
@@ -117,7 +87,7 @@ def test_single_seeds_on_request(reader: TestClient, trained: str) -> None:
             assert one["run_id"].endswith(f"-{3 * number + seed}")
             run = reader.get(f"/api/v1/runs/{one['run_id']}").json()
             assert (run["algorithm"], run["seed"]) == (curve["algorithm"], seed)
-            assert one["values"][0] == pytest.approx(value(RunSpec(spec.algorithm, "", seed), 800))
+            assert one["values"][0] == pytest.approx(rising(RunSpec(spec.algorithm, "", seed), 800))
 
 
 @pytest.mark.parametrize("band", ["std", "ci95", "iqr"])
@@ -153,7 +123,7 @@ def test_a_running_sweep_counts_who_got_there(client: TestClient, store: Store) 
     claim = store.claim_cohort("worker", 60.0, limit=2)
     assert claim is not None
     store.release(claim, "given back")
-    train(store, 2, value, finish=False)
+    train(store, 2, rising, finish=False)
     answer = client.get(f"{link['curves']}?normalized=false").json()
     assert [curve["n"] for curve in curves_of(answer)] == [[3, 3], [3, 3]]
 
@@ -179,57 +149,3 @@ def test_a_wrong_view_is_refused(
     (error,) = response.json()["errors"]
     assert error["field"] == field
     assert says in error["message"]
-
-
-def test_figures_are_files_with_the_same_bytes_each_time(reader: TestClient, trained: str) -> None:
-    png = reader.get(f"{trained}/plot.png")
-    assert png.headers["content-type"] == "image/png"
-    assert png.content.startswith(b"\x89PNG")
-    assert reader.get(f"{trained}/plot.png").content == png.content
-    svg = reader.get(f"{trained}/plot.svg")
-    assert svg.headers["content-type"] == "image/svg+xml"
-    assert reader.get(f"{trained}/plot.svg").content == svg.content
-    xml.dom.minidom.parseString(svg.content)  # noqa: S318 - our own
-    pdf = reader.get(f"{trained}/plot.pdf")
-    assert pdf.headers["content-type"] == "application/pdf"
-    assert pdf.content.startswith(b"%PDF-")
-    assert b"CreationDate" not in pdf.content
-    assert reader.get(f"{trained}/plot.pdf").content == pdf.content
-
-
-def test_a_figure_in_another_form_is_refused(reader: TestClient, trained: str) -> None:
-    refusal = reader.get(f"{trained}/plot.gif")
-    assert refusal.status_code == 422
-    assert refusal.json()["errors"][0] == {
-        "field": "form",
-        "message": "Input should be 'png', 'svg' or 'pdf'",
-        "limit": "'png', 'svg' or 'pdf'",
-    }
-
-
-def test_a_figure_of_nothing_yet(client: TestClient) -> None:
-    link = client.post("/api/v1/sweeps", json=SWEEP).json()["links"]["self"]
-    assert client.get(f"{link}/plot.png").status_code == 200
-
-
-@pytest.mark.parametrize("name", ["$\\frac{ --><script>", "a\x01b\x1f \u202ex 😀 日本", "x" * 200])
-def test_any_name_can_stand_on_a_figure(client: TestClient, name: str) -> None:
-    body = changed(name=name, seeds=1, environments=["Pendulum"])
-    link = client.post("/api/v1/sweeps", json=body).json()["links"]["self"]
-    svg = client.get(f"{link}/plot.svg")
-    assert svg.status_code == 200
-    xml.dom.minidom.parseString(svg.content)  # noqa: S318 - our own
-
-
-def test_a_figure_of_too_many_curves_is_refused(client: TestClient) -> None:
-    weights = [{"w1": k / 10, "w2": j / 10} for k in range(10) for j in range(10)]
-    algorithms = [
-        {"name": "hybrid-ddpg", "weights": weights, "config": {"batch_size": size}}
-        for size in (32, 64, 128)
-    ]
-    body = changed(algorithms=algorithms, seeds=1)
-    link = client.post("/api/v1/sweeps", json=body).json()["links"]["self"]
-    refusal = client.get(f"{link}/plot.png")
-    assert refusal.status_code == 422
-    assert "600" in refusal.json()["detail"]
-    assert client.get(f"{link}/curves").status_code == 200

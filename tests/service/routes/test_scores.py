@@ -5,52 +5,21 @@ import io
 import json
 import math
 import statistics
-from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from pydantic import SecretStr
 from starlette.testclient import TestClient
 
-from service.app import create_app
 from service.schemas.score_table_answer import inert
-from service.settings import Settings
 from service.store.store import Store
-from tests.service.conftest import SWEEP, TOKEN, FakeDispatcher, changed, client_of
-from tests.service.training import random_return, train
+from tests.service.conftest import SWEEP, changed
+from tests.service.training import RANDOM, random_return, rising, train
 from workers.run_spec import RunSpec
-
-RANDOM = -1200.0
-
-
-def value(spec: RunSpec, timestep: int) -> float:
-    return RANDOM + timestep * (1 + spec.seed) / 100 + 50 * len(spec.algorithm)
-
-
-@pytest.fixture(scope="module")
-def reader(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
-    """A client of a service with one trained sweep of three seeds; tests only read."""
-    settings = Settings(data_dir=tmp_path_factory.mktemp("trained"), token=SecretStr(TOKEN))
-    store = Store.open(settings.store_url)
-    for environment in ("MassPoint", "Pendulum"):
-        store.record_random_return(random_return(environment, RANDOM))
-    client = client_of(create_app(settings, store, FakeDispatcher()))
-    client.post("/api/v1/sweeps", json=changed(name="=50% | of"))
-    train(store, 5, value)
-    yield client
-    store.close()
-
-
-@pytest.fixture(scope="module")
-def trained(reader: TestClient) -> str:
-    """The link of that sweep."""
-    (sweep,) = reader.get("/api/v1/sweeps").json()["items"]
-    return str(sweep["links"]["self"])
 
 
 def finals(algorithm: str) -> list[float]:
     """The last return_history of each seed: half its return_mean (see `measured`)."""
-    return [value(RunSpec(algorithm, "", seed), 4000) / 2 for seed in range(3)]
+    return [rising(RunSpec(algorithm, "", seed), 4000) / 2 for seed in range(3)]
 
 
 def test_mean_deviation_and_interval_of_each_cell(reader: TestClient, trained: str) -> None:
@@ -197,7 +166,7 @@ def test_statistics_of_nothing_and_of_one_seed(client: TestClient, store: Store)
     assert (empty["tasks"], empty["unscored"]) == ([], ["ddpg", "hybrid-ddpg"])
     for environment in ("MassPoint", "Pendulum"):
         store.record_random_return(random_return(environment, RANDOM))
-    train(store, 2, value)
+    train(store, 2, rising)
     answer = json.loads(client.get(link).text, parse_constant=pytest.fail)
     iqm = answer["interquartile_mean"]["values"][0]
     assert iqm["n"] == 2
