@@ -236,8 +236,7 @@ class Store:
         self, algorithms: Collection[str], environments: Collection[str]
     ) -> list[PastCost]:
         """Return what the latest finished runs of these algorithms and environments have cost."""
-        with self._readers.connect() as connection:
-            return costs.past(connection, algorithms, environments)
+        return self._reader.read(lambda c: costs.past(c, algorithms, environments))
 
     # ---- events
 
