@@ -1,6 +1,6 @@
 """The learners, pure of Ray, SQL and HTTP.
 
-`build`, `names`, `train` and `Measurement` are loaded when first asked for (PEP 562), so that
+Its few public names are loaded when first asked for (PEP 562), so that
 `import algorithms` alone loads neither torch nor numba.
 """
 
@@ -10,14 +10,15 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from algorithms.catalogue import names
     from algorithms.measurement import Measurement
-    from algorithms.training import build, train
+    from algorithms.training import build, prepare, train
 
-__all__ = ["Measurement", "build", "names", "train"]
+__all__ = ["Measurement", "build", "names", "prepare", "train"]
 
 _HOMES = {
     "Measurement": "algorithms.measurement",
     "build": "algorithms.training",
     "names": "algorithms.catalogue",
+    "prepare": "algorithms.training",
     "train": "algorithms.training",
 }
 

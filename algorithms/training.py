@@ -5,7 +5,8 @@ for m in train("hybrid-ddpg", "Pendulum", seeds=range(16), timesteps=20_000):
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import physics
@@ -60,17 +61,26 @@ def build(
     config: Mapping[str, Any] | None = None,
 ) -> Learner:
     """The learner that `train` advances; same arguments and errors."""
+    return prepare(algorithm, environment, seeds, weights, timesteps, config)()
+
+
+def prepare(
+    algorithm: str,
+    environment: str,
+    seeds: Sequence[int],
+    weights: tuple[float, float] | None = None,
+    timesteps: int | None = None,
+    config: Mapping[str, Any] | None = None,
+) -> Callable[[], Learner]:
+    """What builds the learner, the arguments checked: from there on kernels may compile."""
     chosen, task = catalogue.find(algorithm), physics.make(environment)
     usual = preset(algorithm, environment)
     steps = usual.timesteps if timesteps is None else timesteps
     pair = usual.weights if weights is None else weights
-    settings = usual.config if config is None else config
+    settings = chosen.config_class()(**(usual.config if config is None else config))
     check_pair(chosen, task)
     check_numbers(chosen, seeds, pair, steps)
-    learner: Learner = chosen.load()(
-        task, list(seeds), pair, steps, chosen.config_class()(**settings)
-    )
-    return learner
+    return partial(chosen.load(), task, list(seeds), pair, steps, settings)
 
 
 def check_pair(algorithm: Algorithm, environment: Environment) -> None:

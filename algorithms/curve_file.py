@@ -1,0 +1,36 @@
+"""Curve file: measurements as CSV, a row each, written as they come.
+
+    seed,timestep,return_mean,return_history,updates,jacobians,seconds,<diagnostics by name>
+
+Numbers are written so that reading gives the same bits back; a number that does not exist is nan.
+"""
+
+import csv
+from collections.abc import Iterable
+from typing import TextIO
+
+from algorithms.measurement import Measurement
+
+COLUMNS = (
+    "seed", "timestep", "return_mean", "return_history", "updates", "jacobians", "seconds",
+)  # fmt: skip
+
+
+class CurveFile:
+    """Writes the measurements of one training."""
+
+    def __init__(self, file: TextIO) -> None:
+        """Write to an open file, from its beginning on."""
+        self._file = file
+        self._rows = csv.writer(file, lineterminator="\n")
+        self._diagnostics: list[str] | None = None
+
+    def write(self, measurements: Iterable[Measurement]) -> None:
+        """Add a row for each, safe from the end of this process when this returns."""
+        for m in measurements:
+            if self._diagnostics is None:
+                self._diagnostics = list(m.diagnostics)
+                self._rows.writerow([*COLUMNS, *self._diagnostics])
+            own = [getattr(m, name) for name in COLUMNS]
+            self._rows.writerow([*own, *(m.diagnostics[name] for name in self._diagnostics)])
+        self._file.flush()

@@ -1,0 +1,47 @@
+"""Outcome: what the runs of one training have come to, as far as it has got."""
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from algorithms.measurement import Divergence, Measurement
+
+
+class Outcome:
+    """The latest of each run.
+
+    Attributes:
+        seeds: all runs, also those that were not measured yet.
+        latest: by seed, its last measurement.
+        diverged: by seed, how it diverged.
+    """
+
+    def __init__(self, seeds: Sequence[int]) -> None:
+        """Begin with nothing measured."""
+        self.seeds = list(seeds)
+        self.latest: dict[int, Measurement] = {}
+        self.diverged: dict[int, Divergence] = {}
+
+    def take(self, events: Iterable[Measurement | Divergence]) -> list[Measurement]:
+        """Take in what a learner said; return the measurements in it."""
+        measured = []
+        for event in events:
+            if isinstance(event, Divergence):
+                self.diverged[event.seed] = event
+            else:
+                self.latest[event.seed] = event
+                measured.append(event)
+        return measured
+
+    def returns(self, name: str) -> list[float]:
+        """The latest `return_mean` or `return_history` of every run measured, diverged ones too."""
+        return [getattr(measurement, name) for measurement in self.latest.values()]
+
+    @property
+    def mean_text(self) -> str:
+        """How the runs stand on average: `mean return -151.3 (16 seeds)`."""
+        returns = self.returns("return_mean")
+        if not returns:
+            return "nothing measured yet"
+        plural = "" if len(returns) == 1 else "s"
+        return f"mean return {np.mean(returns):,.2f} ({len(returns)} seed{plural})"
