@@ -17,7 +17,7 @@ from algorithms.outcome import Outcome
 
 Show = Callable[[int], None]
 """Told the timestep that all runs have reached."""
-COMPILING = "compiling kernels (the first time on a machine takes up to some minutes)"
+COMPILING = "compiling kernels (minutes, the first time)"
 
 
 def display(
