@@ -41,7 +41,7 @@ differences there are of the size of those between seeds (0.18 to 0.38). A longe
 needed is worse where the task is to swing up or to run.
 
     CartPoleSwingUp   50, 1: .009    60, 1: .899 (292)   75, 1: .899 (350)    75, 3: .903 (578)
-                      100, 1: .884 (439)   100, 5: .904 (771)
+                      100, 1: .884 (439)   100, 5: .904 (771)   100, 3: .901 (642), 16 seeds
     Pendulum          15, 1: .899 (30)     30, 1: .901 (51)    50, 1: .834    100, 1: .627
     CartPole          50, 1: 1.000 (83)    50, 5: 1.000 (87)
     MountainCar       50, 1: .721 (27)     100, 1: .747 (17)   200, 1: .748 (32)
@@ -50,6 +50,9 @@ needed is worse where the task is to swing up or to run.
     HalfCheetah       20, 1: .184 (42)     30, 2: .238 (123)   30, 3: .280 (179)
                       20, 5: .157 (204)    30, 6: .268 (331)   30, 12: .322 (560)
                       40, 1: .191 (80)     50, 10: .242 (817)  30, 30: .283 (862)
+
+The swing-up's horizon has a margin over the trials: at 75 all seeds from 100 to 115 swing up, but
+two of those from 0 to 15 hang still.
 
 Their timesteps are more than an episode can take, so that it is always planned to its end.
 """
@@ -93,7 +96,7 @@ PRESETS: dict[tuple[str, str], Preset] = {
     ("gd", "HalfCheetah"): Preset(config={"rate": 0.001}),
     ("mpc", "MassPoint"): planned(horizon=60, timesteps=120_000),
     ("mpc", "CartPole"): planned(horizon=50, timesteps=100_000),
-    ("mpc", "CartPoleSwingUp"): planned(horizon=75, timesteps=400_000),
+    ("mpc", "CartPoleSwingUp"): planned(horizon=100, iterations=3, timesteps=1_488_000),
     ("mpc", "Pendulum"): planned(horizon=30, timesteps=64_000),
     ("mpc", "MountainCar"): planned(horizon=100, timesteps=168_000),
     ("mpc", "RollingDie"): planned(horizon=100, timesteps=112_000),
