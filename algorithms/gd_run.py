@@ -99,9 +99,9 @@ class GDRun:
 
     @property
     def nbytes(self) -> int:
-        """Memory of the derivatives of one update's episodes, and of the network's pass there."""
+        """Memory of one update's episodes, as they come and stacked, and of the network's pass."""
         n, m = self._environment.state_size, self._environment.action_size
-        one_step = 8 * (n * (n + 2 * m + 2) + 2 * self._shape.inputs) + 40 * self._shape.hidden
+        one_step = 16 * (n * (n + 2 * m + 2) + 2 * self._shape.inputs) + 40 * self._shape.hidden
         return one_step * self._environment.horizon * self._config.episodes
 
     def state(self) -> State:

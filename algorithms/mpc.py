@@ -20,7 +20,9 @@ again for the prediction's sake is evaluation, and not counted. `return_history`
 latest 100 predictions. A run ends with its episode, often long before `timesteps`; its last
 measurement is what the episode really earned.
 
-Time, for 16 runs on one core (AMD EPYC): see algorithms.presets.
+Time an action, with the presets, for 16 runs at once on one core (AMD EPYC): 30 ms for
+CartPoleSwingUp (horizon 100, at most 3 iterations), 640 ms for HalfCheetah (horizon 30, at most 12,
+while other work shared the machine). One `advance` took at most 0.03 s and 0.16 s.
 
 Source: Tassa, Mansard and Todorov (2014). Differences from their MPC: several iterations an action,
 until a plan has converged; regularisation goes on from action to action, as the plan does.

@@ -58,9 +58,16 @@ def torch_gradient(
 
 @pytest.mark.parametrize(
     "name",
-    ["MassPoint", "CartPole", "CartPoleSwingUp", "Pendulum", "MountainCar", "RollingDie",
-     "HalfCheetah"],
-)  # fmt: skip
+    [
+        "Pendulum",
+        "RollingDie",
+        "HalfCheetah",
+        *(
+            pytest.param(name, marks=pytest.mark.slow)
+            for name in ("MassPoint", "CartPole", "CartPoleSwingUp", "MountainCar")
+        ),
+    ],
+)
 def test_it_is_the_gradient_of_torch_through_whole_episodes(name: str) -> None:
     task = physics.make(name)
     settings = [setting(task, seed) for seed in (1, 5)]
