@@ -39,10 +39,7 @@ def target_value(
     actor.choose(actor_target, actor_work, next_actions)
     join(batch.next_x, next_actions, critic_work.x)
     network.forward(critic_target, critic_work)
-    for row in range(value.size):
-        q = scaling.value_mean + scaling.value_std * critic_work.out[row, 0]
-        raw = batch.rewards[row] + gamma * batch.continues[row] * q
-        value[row] = (raw - scaling.value_mean) / scaling.value_std
+    back_up(batch, gamma, scaling, critic_work.out, value)
 
 
 @compiled_fast
@@ -63,10 +60,27 @@ def target_gradient(
     actor.pull_back(next_actions, critic_work.x_bar, features, actor_work)
     network.backward_to_input(actor_target, actor_work)
     for row in range(result.shape[0]):
+        for i in range(features):
+            actor_work.x_bar[row, i] += critic_work.x_bar[row, i]
+    back_up_gradient(batch, gamma, actor_work.x_bar, result)
+
+
+@compiled_fast
+def back_up(batch: Batch, gamma: Any, scaling: Scaling, following: Array, value: Array) -> None:
+    """`r + gamma c following`, for what follows [B, 1], to `value [B]`; both normalised."""
+    for row in range(value.size):
+        q = scaling.value_mean + scaling.value_std * following[row, 0]
+        raw = batch.rewards[row] + gamma * batch.continues[row] * q
+        value[row] = (raw - scaling.value_mean) / scaling.value_std
+
+
+@compiled_fast
+def back_up_gradient(batch: Batch, gamma: Any, by_next: Array, result: Array) -> None:
+    """`dr + gamma c by_next J` [B, C + m], for the derivative by the next features [B, F]."""
+    for row in range(result.shape[0]):
         factor = gamma * batch.continues[row]
         for j in range(result.shape[1]):
             result[row, j] = batch.reward_gradients[row, j]
-        for i in range(features):
-            by_next = factor * (critic_work.x_bar[row, i] + actor_work.x_bar[row, i])
+        for i in range(by_next.shape[1]):
             for j in range(result.shape[1]):
-                result[row, j] += by_next * batch.jacobians[row, i, j]
+                result[row, j] += factor * by_next[row, i] * batch.jacobians[row, i, j]

@@ -71,6 +71,22 @@ OWN = {
         uses_weights=True,
         needs_reward_gradient=False,
     ),
+    "sac": Algorithm(
+        name="sac",
+        summary="Soft actor-critic with a fixed temperature",
+        builder="algorithms.sac:build",
+        config="algorithms.sac_config:SACConfig",
+        uses_weights=False,
+        needs_reward_gradient=False,
+    ),
+    "hybrid-sac": Algorithm(
+        name="hybrid-sac",
+        summary="Soft actor-critic whose critics also fit the simulator's gradients (L2)",
+        builder="algorithms.sac:build",
+        config="algorithms.sac_config:SACConfig",
+        uses_weights=True,
+        needs_reward_gradient=False,
+    ),
     "gd": Algorithm(
         name="gd",
         summary="Gradient ascent of the actor on whole episodes' returns, through the simulator",

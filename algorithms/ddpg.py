@@ -12,8 +12,7 @@ parameter noise, Plappert et al. (2017). Differences from Baselines:
 
 - the critic returns a normalised Q, whose mean and standard deviation follow the targets seen in
   the replay; when they move, the output layers of Q and Q' are changed so that Q is not
-  (van Hasselt et al., 2016: PopArt). The standard deviation is taken about the previous mean, so
-  that a Q that drifts does not make it vanish;
+  (algorithms.value_scale);
 - the critic takes features and action side by side at its input (as Baselines did from September
   2018 on), and hidden units are tanh, not ReLU: the hybrid needs a smooth critic;
 - weight decay is on hidden products alone (as Baselines from November 2018 on);
@@ -30,22 +29,30 @@ import numpy as np
 
 from algorithms import network
 from algorithms.ddpg_config import DDPGConfig
-from algorithms.ddpg_update import Rates, Report, empty_report, update
-from algorithms.diagnostics import UpdateMeans, agreement, gradient_pair
+from algorithms.ddpg_update import Rates, Report, empty_report, gradient_pair, update
+from algorithms.diagnostics import UpdateMeans, agreement, with_derivatives
 from algorithms.losses import Matching, is_matched, matching_of
 from algorithms.network import Shape
 from algorithms.off_policy import OffPolicyLearner
 from algorithms.optimizer import learned
 from algorithms.parameter_noise import ParameterNoise, action_distance
 from algorithms.policy import Policy
-from algorithms.replay import Memory, Replay, empty_memory
+from algorithms.replay import Replay, empty_memory
 from algorithms.rollout import Experience, Rollout
 from algorithms.scaling import Coordinates, Statistics, coordinates_of
 from algorithms.snapshot import Critic, Snapshot
 from algorithms.state import State, part, within
-from algorithms.target_jacobian import fold
+from algorithms.value_scale import move_value_scale
 from physics.environment import Environment
 from physics.randomness import generator
+
+MEANS = (
+    "critic_loss",
+    "gradient_loss",
+    "q_mean",
+    "critic_gradient_norm",
+    "actor_gradient_norm",
+)
 
 
 class DDPGAgent:
@@ -98,12 +105,13 @@ class DDPGAgent:
             linearized=self._matched,
         )  # fmt: skip
         self.replay = Replay(memory, environment.state_size)
-        self._means = UpdateMeans()
+        self._means = UpdateMeans(MEANS)
 
     def policy(self) -> Policy:
         """The deterministic policy learned so far."""
         scaling = self._statistics.scaling()
-        return Policy(self._actor.theta, scaling.mean, scaling.inverse)
+        none = np.empty((0, self._environment.action_size), np.float32)
+        return Policy(self._actor.theta, scaling.mean, scaling.inverse, none)
 
     def exploring_policy(self) -> Policy:
         """A newly perturbed actor."""
@@ -144,12 +152,8 @@ class DDPGAgent:
         """The means of the updates since the last call, and how well gradients fit."""
         draws = generator(self.seed, "diagnostics", timestep)
         indices = draws.integers(self.replay.size, size=self._config.batch_size)
-        memory = self.replay.memory
-        actions = memory.actions[indices].astype(np.float64)
-        steps = self._environment.differentiate(self.replay.states[indices], actions)
+        drawn = with_derivatives(self._environment, self._coordinates, self.replay, indices)
         self.jacobians += len(indices)
-        derivatives = fold(self._environment, self._coordinates, steps)
-        drawn = Memory._make([*(part[indices] for part in memory[:5]), *derivatives])
         gradient, target = gradient_pair(
             self._actor, self._critic, drawn, self._coordinates, self._statistics.scaling(),
             self._rates.gamma, self._shapes,
@@ -212,18 +216,13 @@ class DDPGAgent:
 
     def _move_value_scale(self, report: Report) -> None:
         """Set the unit of Q to the cycle's targets, leaving Q and Q' as they are."""
-        statistics = self._statistics
-        mean, std = statistics.value_mean, statistics.value_std
-        statistics.set_value_scale(
-            mean + std * float(report.target_mean.mean()),
-            std * float(np.sqrt(report.target_square.mean())),
+        critics = (
+            network.parameters(theta, self._shapes[1])
+            for theta in (self._critic.theta, self._critic.target)
         )
-        ratio = np.float32(std / statistics.value_std)
-        shift = np.float32((mean - statistics.value_mean) / statistics.value_std)
-        for theta in (self._critic.theta, self._critic.target):
-            critic = network.parameters(theta, self._shapes[1])
-            critic.weight[:] *= ratio
-            critic.bias[:] = critic.bias * ratio + shift
+        move_value_scale(
+            self._statistics, report.target_mean.mean(), report.target_square.mean(), critics
+        )
 
 
 def shapes_of(environment: Environment, config: DDPGConfig) -> tuple[Shape, Shape]:

@@ -175,3 +175,35 @@ def describe(work: Work, scaling: Scaling, report: Report, u: int) -> None:
     report.q_mean[u] = scaling.value_mean + scaling.value_std * q_sum / rows
     report.target_mean[u] = target_sum / rows
     report.target_square[u] = square_sum / rows
+
+
+@compiled_fast
+def gradient_pair(
+    learned_actor: Learned,
+    learned_critic: Learned,
+    memory: Memory,
+    coordinates: Coordinates,
+    scaling: Scaling,
+    gamma: Any,
+    shapes: tuple[Shape, Shape],
+) -> tuple[Array, Array]:
+    """The critic's gradient [B, C + m] and its target, at every transition of a memory."""
+    actor_shape, critic_shape = shapes
+    indices = np.arange(memory.rewards.size)
+    work = new_work(memory, learned_actor, learned_critic, indices.size, shapes)
+    fit = work.fit
+    replay.draw(memory, indices, scaling, work.batch)
+    replay.draw_derivatives(memory, indices, coordinates, scaling, work.batch)
+    pi_target = network.parameters(learned_actor.target, actor_shape)
+    q_target = network.parameters(learned_critic.target, critic_shape)
+    bellman.target_value(
+        pi_target, q_target, work.batch, gamma, scaling,
+        work.actor, fit.critic, work.actions, fit.value,
+    )  # fmt: skip
+    bellman.target_gradient(
+        pi_target, q_target, work.batch, gamma, work.actor, fit.critic, work.actions, fit.target
+    )
+    critic.own_gradient(
+        network.parameters(learned_critic.theta, critic_shape), work.batch, coordinates, fit
+    )
+    return fit.gradient, fit.target

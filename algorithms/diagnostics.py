@@ -10,50 +10,44 @@ each for the actions' part of the gradient and for the state's, in normalised un
 norm is 0 have no direction and are left out; where none is left the number is NaN.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from algorithms import bellman, network, replay
-from algorithms.critic import own_gradient
-from algorithms.ddpg_update import Report, new_work
-from algorithms.network import Shape
-from algorithms.optimizer import Learned
-from algorithms.replay import Memory
-from algorithms.scaling import Coordinates, Scaling
+from algorithms.replay import Memory, Replay
+from algorithms.scaling import Coordinates
 from algorithms.state import State
-from physics.compiled import compiled_fast
+from algorithms.target_jacobian import fold
+from physics.environment import Environment
 
 Gradients = NDArray[np.float32]
 
 
 class UpdateMeans:
-    """The means of what updates saw, since they were last taken."""
+    """The means of what updates saw, since they were last taken.
 
-    NAMES = (
-        "critic_loss",
-        "gradient_loss",
-        "q_mean",
-        "critic_gradient_norm",
-        "actor_gradient_norm",
-    )
+    Attributes:
+        names: the fields of a report that are wanted.
+    """
 
-    def __init__(self) -> None:
+    def __init__(self, names: Sequence[str]) -> None:
         """Begin with none."""
-        self._cycles = np.empty((0, len(self.NAMES)), np.float32)
+        self.names = names
+        self._cycles = np.empty((0, len(names)), np.float32)
 
-    def add(self, report: Report) -> None:
-        """Take in a cycle's report."""
-        cycle = [getattr(report, name).mean() for name in self.NAMES]
+    def add(self, report: Any) -> None:
+        """Take in a cycle's report, whose fields of these names are arrays [updates]."""
+        cycle = [getattr(report, name).mean() for name in self.names]
         self._cycles = np.vstack([self._cycles, np.array(cycle, np.float32)])
 
     def take(self) -> dict[str, float]:
         """The means by name, NaN if there were no updates; begin anew."""
         cycles, self._cycles = self._cycles, self._cycles[:0]
         if not len(cycles):
-            return dict.fromkeys(self.NAMES, float("nan"))
-        return {name: float(np.mean(cycles[:, i])) for i, name in enumerate(self.NAMES)}
+            return dict.fromkeys(self.names, float("nan"))
+        return {name: float(np.mean(cycles[:, i])) for i, name in enumerate(self.names)}
 
     def state(self) -> State:
         """The means of each cycle since they were last taken [cycles, names]."""
@@ -84,33 +78,14 @@ def agreement(gradient: Gradients, target: Gradients, coordinates: Coordinates) 
     return numbers
 
 
-@compiled_fast
-def gradient_pair(
-    learned_actor: Learned,
-    learned_critic: Learned,
-    memory: Memory,
+def with_derivatives(
+    environment: Environment,
     coordinates: Coordinates,
-    scaling: Scaling,
-    gamma: Any,
-    shapes: tuple[Shape, Shape],
-) -> tuple[Gradients, Gradients]:
-    """The critic's gradient [B, C + m] and its target, at every transition of a memory."""
-    actor_shape, critic_shape = shapes
-    indices = np.arange(memory.rewards.size)
-    work = new_work(memory, learned_actor, learned_critic, indices.size, shapes)
-    fit = work.fit
-    replay.draw(memory, indices, scaling, work.batch)
-    replay.draw_derivatives(memory, indices, coordinates, scaling, work.batch)
-    pi_target = network.parameters(learned_actor.target, actor_shape)
-    q_target = network.parameters(learned_critic.target, critic_shape)
-    bellman.target_value(
-        pi_target, q_target, work.batch, gamma, scaling,
-        work.actor, fit.critic, work.actions, fit.value,
-    )  # fmt: skip
-    bellman.target_gradient(
-        pi_target, q_target, work.batch, gamma, work.actor, fit.critic, work.actions, fit.target
-    )
-    own_gradient(
-        network.parameters(learned_critic.theta, critic_shape), work.batch, coordinates, fit
-    )
-    return fit.gradient, fit.target
+    replay: Replay,
+    indices: NDArray[np.int64],
+) -> Memory:
+    """Transitions of a replay, their derivatives worked out again from the states."""
+    actions = replay.memory.actions[indices].astype(np.float64)
+    steps = environment.differentiate(replay.states[indices], actions)
+    kept = [part[indices] for part in replay.memory[:5]]
+    return Memory._make([*kept, *fold(environment, coordinates, steps)])

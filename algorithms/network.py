@@ -150,6 +150,18 @@ def parameters(theta: Array, shape: Shape) -> Parameters:
     )
 
 
+def first_outputs(theta: NDArray[np.float32], shape: Shape, outputs: int) -> NDArray[np.float32]:
+    """Theta of the same network with its first so many outputs alone."""
+    p = parameters(theta, shape)
+    v = decayed_size(shape)
+    b = v + p.weight.size
+    d = b + 2 * shape.hidden
+    return np.concatenate([
+        theta[:v], p.weight[:, :outputs].ravel(), theta[b:d],
+        p.bias[:outputs], theta[d + shape.outputs :],
+    ])  # fmt: skip
+
+
 @compiled_fast
 def new_pass(theta: Array, rows: int, shape: Shape) -> Pass:
     """Arrays for a forward and a backward pass over `rows` rows, of theta's dtype."""

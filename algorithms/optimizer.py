@@ -26,7 +26,7 @@ class Learned(NamedTuple):
 
     theta: Array
     target: Array
-    """The slowly following copy."""
+    """The slowly following copy; [0] where none is wanted."""
     m: Array
     v: Array
 
@@ -43,6 +43,11 @@ class Learned(NamedTuple):
 def learned(theta: NDArray[np.float32]) -> Learned:
     """A network about to be trained, its target equal to it."""
     return Learned(theta, theta.copy(), np.zeros_like(theta), np.zeros_like(theta))
+
+
+def learned_alone(theta: NDArray[np.float32]) -> Learned:
+    """A network about to be trained, without a target."""
+    return Learned(theta, theta[:0].copy(), np.zeros_like(theta), np.zeros_like(theta))
 
 
 @compiled_fast

@@ -11,7 +11,7 @@ from algorithms.network import Shape
 
 
 class Policy(NamedTuple):
-    """What one run's deterministic actor is made of."""
+    """What one run's actor is made of: a network, the features' scale, and noise to act with."""
 
     theta: NDArray[np.float32]
     """[P]"""
@@ -19,6 +19,8 @@ class Policy(NamedTuple):
     """[F]"""
     inverse: NDArray[np.float32]
     """[F]"""
+    noise: NDArray[np.float32]
+    """[T, m], a row for each of the next T steps; T = 0: deterministic (algorithms.actor)."""
 
 
 class Policies:
@@ -26,24 +28,35 @@ class Policies:
 
     def __init__(self, policies: Sequence[Policy], shape: Shape) -> None:
         """Copy the policies of a cohort of at least one run."""
-        self._theta, self._mean, self._inverse = (
+        self._theta, self._mean, self._inverse, self._noise = (
             np.stack(part) for part in zip(*policies, strict=True)
         )
+        self._steps = np.zeros(len(policies), np.int64)
         self._shape = shape
 
     def set(self, k: int, policy: Policy) -> None:
         """Replace run k's policy."""
-        self._theta[k], self._mean[k], self._inverse[k] = policy
+        self._theta[k], self._mean[k], self._inverse[k], self._noise[k] = policy
+        self._steps[k] = 0
 
     def keep(self, rows: Sequence[int]) -> None:
         """Keep these runs only."""
         kept = list(rows)
-        self._theta, self._mean, self._inverse = (
-            part[kept] for part in (self._theta, self._mean, self._inverse)
+        self._theta, self._mean, self._inverse, self._noise, self._steps = (
+            part[kept]
+            for part in (self._theta, self._mean, self._inverse, self._noise, self._steps)
         )
 
     def act(self, features: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The actions [K, m] for features [K, F]."""
-        actions = np.empty((len(features), self._shape.outputs))
-        act_rows(self._theta, self._mean, self._inverse, features, self._shape, actions)
+        """The actions [K, m] for features [K, F].
+
+        Raises:
+            IndexError: if a policy that acts with noise has used it up.
+        """
+        runs, steps, m = self._noise.shape
+        actions, noise = np.empty((runs, m)), np.empty((runs, 0), np.float32)
+        if steps:
+            noise = self._noise[np.arange(runs), self._steps]
+            self._steps += 1
+        act_rows(self._theta, self._mean, self._inverse, noise, features, self._shape, actions)
         return actions

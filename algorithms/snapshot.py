@@ -78,7 +78,7 @@ def snapshot_of(arrays: State) -> Snapshot:
         int(arrays["timestep"]),
         int(arrays["hidden"]),
         int(arrays["actions"]),
-        Policy(policy["theta"], policy["mean"], policy["inverse"]),
+        Policy(policy["theta"], policy["mean"], policy["inverse"], policy["noise"]),
         critic=Critic(critic["theta"], float(critic["value_mean"]), float(critic["value_std"]))
         if critic
         else None,

@@ -18,6 +18,8 @@ CASES: list[tuple[str, str, tuple[float, float], dict[str, Any]]] = [
     ("hybrid-ddpg", "Pendulum", (0.1, 0.01), {}),
     ("hybrid-ddpg", "Pendulum", (0.1, 0.01), {"replay_size": 250}),
     ("hybrid-ddpg", "CartPole", (0.1, 0.01), {}),
+    ("sac", "Pendulum", (0.0, 0.0), {}),
+    ("hybrid-sac", "CartPole", (0.1, 0.01), {"replay_size": 250}),
 ]
 
 

@@ -15,6 +15,8 @@ WEIGHTS = {
     "ddpg": (0.0, 0.0),
     "hybrid-ddpg": (0.1, 0.01),
     "hybrid-ddpg-cosine": (0.1, 0.01),
+    "sac": (0.0, 0.0),
+    "hybrid-sac": (0.1, 0.01),
     "gd": (0.0, 0.0),
 }
 
@@ -36,10 +38,13 @@ def test_alone_and_in_a_cohort_of_16_the_same_bits(name: str) -> None:
     assert cohort[5] != cohort[6]
 
 
-@pytest.mark.parametrize("hybrid", ["hybrid-ddpg", "hybrid-ddpg-cosine"])
-def test_hybrid_without_weights_is_ddpg(hybrid: str) -> None:
-    assert curves(hybrid, [0, 1], (0.0, 0.0)) == curves("ddpg", [0, 1])
-    assert curves(hybrid, [0, 1]) != curves("ddpg", [0, 1])
+@pytest.mark.parametrize(
+    ("hybrid", "plain"),
+    [("hybrid-ddpg", "ddpg"), ("hybrid-ddpg-cosine", "ddpg"), ("hybrid-sac", "sac")],
+)
+def test_hybrid_without_weights_is_the_plain_learner(hybrid: str, plain: str) -> None:
+    assert curves(hybrid, [0, 1], (0.0, 0.0)) == curves(plain, [0, 1])
+    assert curves(hybrid, [0, 1]) != curves(plain, [0, 1])
 
 
 def test_dropped_neighbours_change_nothing() -> None:
