@@ -36,7 +36,7 @@ from algorithms.network import Shape
 from algorithms.off_policy import OffPolicyLearner
 from algorithms.optimizer import learned
 from algorithms.parameter_noise import ParameterNoise, action_distance
-from algorithms.policy import Policy
+from algorithms.policy import Policy, deterministic
 from algorithms.replay import Replay, empty_memory
 from algorithms.rollout import Experience, Rollout
 from algorithms.scaling import Coordinates, Statistics, coordinates_of
@@ -110,8 +110,8 @@ class DDPGAgent:
     def policy(self) -> Policy:
         """The deterministic policy learned so far."""
         scaling = self._statistics.scaling()
-        none = np.empty((0, self._environment.action_size), np.float32)
-        return Policy(self._actor.theta, scaling.mean, scaling.inverse, none)
+        m = self._environment.action_size
+        return deterministic(self._actor.theta, scaling.mean, scaling.inverse, m)
 
     def exploring_policy(self) -> Policy:
         """A newly perturbed actor."""

@@ -10,7 +10,7 @@ from algorithms.layer import Array
 from algorithms.measurement import Measurement
 from algorithms.network import Shape
 from algorithms.optimizer import Learned, adam, corrected, learned
-from algorithms.policy import Policy
+from algorithms.policy import Policy, deterministic
 from algorithms.scaling import Coordinates, Statistics
 from algorithms.snapshot import Snapshot
 from algorithms.state import State, part, within
@@ -50,7 +50,8 @@ class GDRun:
     def policy(self) -> Policy:
         """The actor as it is."""
         scaling = self._statistics.scaling()
-        return Policy(self._actor.theta, scaling.mean, scaling.inverse)
+        m = self._shape.outputs
+        return deterministic(self._actor.theta, scaling.mean, scaling.inverse, m)
 
     def episodes_ahead(self) -> list[tuple[int, str, int]]:
         """Where the next update's episodes start, for `start_states`."""
@@ -60,7 +61,7 @@ class GDRun:
 
     def learn(self, episodes: LinearizedEpisodes) -> str | None:
         """Update by what the actor lived; return the name of a quantity that is not finite."""
-        theta, mean, inverse = self.policy()
+        theta, mean, inverse, _ = self.policy()
         gradient = np.empty_like(theta)
         return_gradient(
             theta, self._shape, mean, inverse, self._environment.feature_sources, episodes, gradient

@@ -42,7 +42,7 @@ from algorithms.measurement import Divergence, Measurement
 from algorithms.mpc_config import MPCConfig
 from algorithms.network import Shape
 from algorithms.off_policy import MEASURE_EVERY
-from algorithms.policy import Policies, Policy
+from algorithms.policy import Policies, deterministic
 from algorithms.rollout import start_states
 from algorithms.state import Saved, State, part, within
 from algorithms.threads import one_thread
@@ -216,7 +216,12 @@ def first_plans(environment: Environment, seeds: Sequence[int], hidden_units: in
     shape = Shape(environment.feature_size, hidden_units, environment.action_size)
     mean = np.zeros(shape.inputs, np.float32)
     actors = [
-        Policy(network.initial(shape, generator(seed, "actor")), mean, np.ones_like(mean))
+        deterministic(
+            network.initial(shape, generator(seed, "actor")),
+            mean,
+            np.ones_like(mean),
+            environment.action_size,
+        )
         for seed in seeds
     ]
     policies = Policies(actors, shape)

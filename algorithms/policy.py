@@ -23,6 +23,16 @@ class Policy(NamedTuple):
     """[T, m], a row for each of the next T steps; T = 0: deterministic (algorithms.actor)."""
 
 
+def deterministic(
+    theta: NDArray[np.float32],
+    mean: NDArray[np.float32],
+    inverse: NDArray[np.float32],
+    action_size: int,
+) -> Policy:
+    """A policy that acts without noise."""
+    return Policy(theta, mean, inverse, np.empty((0, action_size), np.float32))
+
+
 class Policies:
     """The policies of K runs, stacked; each acts by itself, whatever K is."""
 

@@ -1,9 +1,10 @@
 """Learners: seed-updates a second on one core, beside stable-baselines3 and JAX in the same run.
 
-Networks 64-64, batch 64, state 14, action 4. An update is one Adam step of the critic, one of the
-actor and both targets; ours are timed a cycle of 50 at a time, with all that a cycle does to learn
-(drawing batches, adapting the noise, moving the value scale); stable-baselines3's as its `train`
-does them; JAX's as benchmarks/peers/jax_ddpg.py says. No environment steps are counted on any side.
+Networks 64-64, batch 64, state 14, action 4. An update is one Adam step of every network and of
+every target; ours are timed a cycle of 50 at a time, with all that a cycle does to learn (drawing
+batches, adapting the noise, moving the value scale); stable-baselines3's as its `train` does them
+(its SAC, with a fixed temperature, has targets of both critics in place of V); JAX's as
+benchmarks/peers/jax_ddpg.py says. No environment steps are counted on any side.
 The whole process is bound to one core. All take turns, round after round, and of each the best
 round counts: other programs can only slow one down.
 
@@ -17,19 +18,18 @@ import argparse
 import os
 import time
 from collections.abc import Callable
+from typing import Any
 
 import gymnasium
 import numpy as np
 import torch
-from stable_baselines3 import DDPG
+from stable_baselines3 import DDPG, SAC
 from stable_baselines3.common.logger import configure
 
 from algorithms import catalogue
-from algorithms.ddpg import DDPGAgent
-from algorithms.losses import matching_of
+from algorithms.off_policy import Agent
 from algorithms.replay import Memory
 from algorithms.rollout import Experience
-from algorithms.scaling import coordinates_of
 from algorithms.threads import one_thread
 from benchmarks.peers import jax_ddpg
 from physics.drawing import Drawing
@@ -39,7 +39,12 @@ from physics.randomness import generator
 STATE, ACTION, HIDDEN, BATCH = 14, 4, 64, 64
 STORED, CYCLE = 10_000, 50
 ROUNDS = 5
-WEIGHTS = {"ddpg": (0.0, 0.0), "hybrid-ddpg": (0.1, 0.1)}
+WEIGHTS = {
+    "ddpg": (0.0, 0.0),
+    "hybrid-ddpg": (0.1, 0.1),
+    "sac": (0.0, 0.0),
+    "hybrid-sac": (0.1, 0.1),
+}
 
 Learn = Callable[[], None]
 
@@ -63,15 +68,9 @@ class Sizes(Environment):
         return Drawing(view=(0.0, 0.0, 1.0, 1.0), shapes=())
 
 
-def our_agent(seed: int, weights: tuple[float, float]) -> DDPGAgent:
-    """A run with a replay full of random transitions and, for a hybrid, derivatives."""
-    task = Sizes()
-    config = catalogue.find("ddpg").config_class()()
-    matching = matching_of(weights, by_cosine=False)
-    agent = DDPGAgent(task, coordinates_of(task), seed, matching, STORED, config)
-    random = generator(seed, "benchmark")
-    columns = STATE + ACTION if any(weights) else 0
-    rows = STORED if any(weights) else 0
+def fill_replay(agent: Agent, random: np.random.Generator, linearized: bool) -> None:
+    """Let an agent remember random transitions and, for a hybrid, derivatives."""
+    columns, rows = (STATE + ACTION, STORED) if linearized else (0, 0)
 
     def numbers(*shape: int) -> np.ndarray:
         return random.standard_normal(shape).astype(np.float32)
@@ -86,12 +85,15 @@ def our_agent(seed: int, weights: tuple[float, float]) -> DDPGAgent:
         jacobians=numbers(rows, STATE, columns),
     )
     agent.remember(Experience(memory, random.standard_normal((STORED, STATE))))
-    return agent
 
 
 def our_cycle(name: str, seeds: int) -> Learn:
     """A cycle of updates of each of so many runs."""
-    agents = [our_agent(seed, WEIGHTS[name]) for seed in range(seeds)]
+    algorithm, weights = catalogue.find(name), WEIGHTS[name]
+    config = algorithm.config_class()(cycle_updates=CYCLE)
+    agents = algorithm.load()(Sizes(), range(seeds), weights, STORED, config)._agents
+    for agent in agents:
+        fill_replay(agent, generator(agent.seed, "benchmark"), any(weights))
 
     def learn() -> None:
         with one_thread():
@@ -108,9 +110,9 @@ class PeerTask(gymnasium.Env[np.ndarray, np.ndarray]):
     action_space = gymnasium.spaces.Box(-1.0, 1.0, (ACTION,))
 
 
-def peer_cycle() -> Learn:
-    """As many updates of stable-baselines3's DDPG, of one run."""
-    model = DDPG(
+def peer_cycle(peer: type[DDPG] | type[SAC], **settings: Any) -> Learn:
+    """As many updates of a learner of stable-baselines3, of one run."""
+    model = peer(
         "MlpPolicy",
         PeerTask(),
         batch_size=64,
@@ -118,6 +120,7 @@ def peer_cycle() -> Learn:
         policy_kwargs={"net_arch": [64, 64]},
         train_freq=(100, "step"),
         device="cpu",
+        **settings,
     )
     model.set_logger(configure(format_strings=[]))
     buffer, random = model.replay_buffer, generator(0, "benchmark")
@@ -141,16 +144,34 @@ def product_cycle() -> Learn:
     return multiply
 
 
-def product_flops(weights: tuple[float, float]) -> float:
+def pass_flops(inputs: int, outputs: int) -> int:
+    """Floating point operations in the matrix products of a pass forward, or back to the inputs."""
+    return 2 * BATCH * HIDDEN * (inputs + HIDDEN + outputs)
+
+
+def product_flops(name: str) -> float:
     """Floating point operations in the matrix products of one update.
 
     A pass forward through a network is one product a layer, `2 B I H`, a pass back to its inputs
     another, and the gradient of its parameters a third; a second-order pass takes each twice.
     """
-    actor, critic = (
-        2 * BATCH * HIDDEN * (inputs + HIDDEN + outputs)
-        for inputs, outputs in ((STATE, ACTION), (STATE + ACTION, 1))
-    )
+    return sac_flops(WEIGHTS[name]) if "sac" in name else ddpg_flops(WEIGHTS[name])
+
+
+def sac_flops(weights: tuple[float, float]) -> float:
+    """Of a target, the policy's loss (with both critics), V's, and the two critics'."""
+    policy, value = pass_flops(STATE, 2 * ACTION), pass_flops(STATE, 1)
+    critic = pass_flops(STATE + ACTION, 1)
+    target, of_critics = value, 2 * 3 * critic
+    if any(weights):
+        target += value
+        of_critics += 2 * 4 * critic
+    return target + 3 * policy + 3 * critic + 3 * value + of_critics
+
+
+def ddpg_flops(weights: tuple[float, float]) -> float:
+    """Of a target, the critic's loss and the actor's."""
+    actor, critic = pass_flops(STATE, ACTION), pass_flops(STATE + ACTION, 1)
     target, of_critic, of_actor = actor + critic, 3 * critic, 3 * actor + 2 * critic
     if any(weights):
         target += actor + critic
@@ -186,30 +207,37 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=1.0, help="of a round")
     seconds = parser.parse_args().seconds
     torch.set_num_threads(1)
-    learns = {"stable-baselines3 ddpg": peer_cycle(), "products": product_cycle()}
+    learns = {
+        "stable-baselines3 ddpg": peer_cycle(DDPG),
+        "stable-baselines3 sac": peer_cycle(SAC, ent_coef=0.2),
+        "products": product_cycle(),
+    }
     for name, weights in WEIGHTS.items():
         for seeds in (1, 16):
             learns[f"{name}, {plural(seeds)}"] = our_cycle(name, seeds)
-            learns[f"JAX {name}, {plural(seeds)}"] = jax_ddpg.cycle(
-                seeds, CYCLE, STATE, ACTION, STORED, weights
-            )
+            if "ddpg" in name:
+                learns[f"JAX {name}, {plural(seeds)}"] = jax_ddpg.cycle(
+                    seeds, CYCLE, STATE, ACTION, STORED, weights
+                )
     with one_thread():
         took = best_seconds(learns, seconds)
     product_rate = CYCLE * 16 * 2 * 64**3 / took["products"]
-    peer = CYCLE / took["stable-baselines3 ddpg"]
     print(f"batched products of 64 x 64: {product_rate / 1e9:.1f} GFLOP/s")
-    print(f"stable-baselines3 ddpg, 1 seed: {peer:.0f} seed-updates/s")
-    for name, weights in WEIGHTS.items():
-        for seeds in (1, 16):
-            whose = f"{name}, {plural(seeds)}"
-            rate = CYCLE * seeds / took[whose]
-            theirs = CYCLE * seeds / took[f"JAX {whose}"]
-            share = rate * product_flops(weights) / product_rate
-            print(f"JAX {whose}: {theirs:.0f} seed-updates/s")
-            print(f"{whose}: {rate:.0f} seed-updates/s")
-            print(f"{whose}, to JAX: {rate / theirs:.2f} times")
-            print(f"{whose}, to stable-baselines3 ddpg: {rate / peer:.2f} times")
-            print(f"{whose}, of the products' rate: {100 * share:.0f} %")
+    for peer in ("ddpg", "sac"):
+        peer_rate = CYCLE / took[f"stable-baselines3 {peer}"]
+        print(f"stable-baselines3 {peer}, 1 seed: {peer_rate:.0f} seed-updates/s")
+        for name in (peer, f"hybrid-{peer}"):
+            for seeds in (1, 16):
+                whose = f"{name}, {plural(seeds)}"
+                rate = CYCLE * seeds / took[whose]
+                share = rate * product_flops(name) / product_rate
+                print(f"{whose}: {rate:.0f} seed-updates/s")
+                print(f"{whose}, to stable-baselines3 {peer}: {rate / peer_rate:.2f} times")
+                print(f"{whose}, of the products' rate: {100 * share:.0f} %")
+                if f"JAX {whose}" in took:
+                    theirs = CYCLE * seeds / took[f"JAX {whose}"]
+                    print(f"JAX {whose}: {theirs:.0f} seed-updates/s")
+                    print(f"{whose}, to JAX: {rate / theirs:.2f} times")
 
 
 if __name__ == "__main__":

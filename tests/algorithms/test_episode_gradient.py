@@ -13,11 +13,11 @@ import physics
 from algorithms import network
 from algorithms.episode_gradient import live, return_gradient
 from algorithms.network import Shape
-from algorithms.policy import Policies, Policy
+from algorithms.policy import Policies, Policy, deterministic
 from algorithms.scaling import CLIP, Statistics, coordinates_of
 from physics.environment import Environment, FloatArray
 from physics.randomness import generator
-from tests.algorithms.test_ddpg_update import Plain
+from tests.algorithms.plain import Plain
 
 UNITS, EPISODES = 16, 2
 
@@ -33,7 +33,8 @@ def setting(task: Environment, seed: int) -> tuple[Policy, Shape, FloatArray]:
     statistics.observe(task.features(states).astype(np.float32))
     scaling = statistics.scaling()
     starts = task.initial_states(range(seed, seed + EPISODES))
-    return Policy(theta, scaling.mean, scaling.inverse), shape, starts
+    policy = deterministic(theta, scaling.mean, scaling.inverse, task.action_size)
+    return policy, shape, starts
 
 
 def torch_gradient(
@@ -41,7 +42,7 @@ def torch_gradient(
 ) -> tuple[float, NDArray[np.float64]]:
     """The return of one episode and its gradient."""
     plain, act = Plain(policy.theta, shape), Policies([policy], shape).act
-    mean, inverse = (torch.from_numpy(part.astype(np.float64)) for part in policy[1:])
+    mean, inverse = (torch.from_numpy(part.astype(np.float64)) for part in policy[1:3])
     state, total = torch.from_numpy(start[None]), torch.zeros(1, dtype=torch.float64)
     for _ in range(task.horizon):
         features = task.features(state)
