@@ -20,7 +20,7 @@ SAC = {"rate": 3e-3, "reward_scale": 30.0, **CYCLE}
 LEARNERS: dict[str, tuple[tuple[float, float], dict[str, Any]]] = {
     "ddpg": ((0.0, 0.0), DDPG),
     "hybrid-ddpg": ((0.1, 0.1), DDPG),
-    "hybrid-ddpg-cosine": ((0.1, 0.1), DDPG),
+    "hybrid-ddpg-cosine": ((0.01, 0.01), DDPG),
     "sac": ((0.0, 0.0), SAC),
     "hybrid-sac": ((0.1, 0.1), SAC),
 }
