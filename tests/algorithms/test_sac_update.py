@@ -93,7 +93,7 @@ def test_update_is_the_equations(name: str, weights: tuple[float, float]) -> Non
     for net, old, loss, plain in zip(nets, before, losses, [policy, v, q1, q2], strict=True):
         assert_stepped(net, old, loss, plain, RATE)
     assert_followed(networks.value, followed)
-    assert report.entropy[0] == pytest.approx(-float(log_pi.detach().mean()), rel=1e-4)
-    assert report.value_loss[0] == pytest.approx(float(value_loss), rel=1e-4)
+    assert report.entropy[0] == pytest.approx(-log_pi.mean().item(), rel=1e-4)
+    assert report.value_loss[0] == pytest.approx(value_loss.item(), rel=1e-4)
     both = report.critic_loss[0] + report.gradient_loss[0]
-    assert both == pytest.approx(float(sum(critic_losses)) / 2, rel=1e-4)
+    assert both == pytest.approx(sum(loss.item() for loss in critic_losses) / 2, rel=1e-4)
