@@ -55,6 +55,30 @@ def sweep_page(request: Request, sweep_id: str) -> HTMLResponse:
     return page(request, "sweep", sweep_id=sweep_id)
 
 
+@router.get("/sweeps/{sweep_id}/runs")
+def runs_page(request: Request, sweep_id: str) -> HTMLResponse:
+    """Answer the runs of a sweep."""
+    return page(request, "runs", sweep_id=sweep_id)
+
+
+@router.get("/runs/{run_id}")
+def run_page(request: Request, run_id: str) -> HTMLResponse:
+    """Answer a run's page."""
+    return page(request, "run", run_id=run_id)
+
+
+@router.get("/compare")
+def compare_page(request: Request) -> HTMLResponse:
+    """Answer the comparison of the sweeps or runs that the address names."""
+    return page(request, "compare")
+
+
+@router.get("/catalogue")
+def catalogue_page(request: Request) -> HTMLResponse:
+    """Answer what can be trained, and in what."""
+    return page(request, "catalogue")
+
+
 def page(request: Request, name: str, **values: str) -> HTMLResponse:
     """Return the page of a template, which starts the script of the same name."""
     version = static_version()

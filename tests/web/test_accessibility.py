@@ -28,6 +28,9 @@ def test_axe_finds_nothing(signed_in: Page, live: LiveService, scheme: str) -> N
     signed_in.goto(f"{live.url}/sweeps/{sweep.id}?table=Pendulum&hide=ddpg&scale=raw")
     expect(signed_in.locator("#problems")).to_be_visible()
     assert violations(signed_in) == []
+    signed_in.goto(f"{live.url}/sweeps/{sweep.id}/runs")
+    expect(signed_in.locator(".runs tbody tr")).to_have_count(16)
+    assert violations(signed_in) == []
     signed_in.get_by_role("button", name="Cancel sweep").click()
     assert violations(signed_in) == []
 
@@ -40,7 +43,7 @@ def test_nothing_sticks_out(signed_in: Page, live: LiveService, width: int) -> N
     live.train(0, 9600)
     live.fail("ValueError: " + "x" * 300)
     signed_in.set_viewport_size({"width": width, "height": 900})
-    for path in ("/", f"/sweeps/{sweep.id}?table=Pendulum"):
+    for path in ("/", f"/sweeps/{sweep.id}?table=Pendulum", f"/sweeps/{sweep.id}/runs"):
         signed_in.goto(live.url + path)
         expect(signed_in.locator("#loading")).to_be_hidden()
         assert signed_in.evaluate("document.documentElement.scrollWidth") <= width
@@ -52,8 +55,10 @@ def test_everything_is_reached_by_tab(signed_in: Page, live: LiveService) -> Non
     signed_in.goto(f"{live.url}/sweeps/{sweep.id}")
     expect(signed_in.locator("figure canvas")).to_have_count(2)
     reached = []
-    for _ in range(40):
+    while True:
         signed_in.keyboard.press("Tab")
+        if signed_in.evaluate("document.activeElement === document.body"):
+            break
         reached.append(signed_in.evaluate("document.activeElement.outerHTML.slice(0, 200)"))
         outline = signed_in.evaluate("getComputedStyle(document.activeElement).outlineStyle")
         assert outline != "none", reached[-1]
@@ -63,6 +68,7 @@ def test_everything_is_reached_by_tab(signed_in: Page, live: LiveService) -> Non
         'id="theme"',
         "download-png",
         'id="cancel"',
+        f"/sweeps/{sweep.id}/runs",
         "copy-link",
         'name="metric"',
         'name="scale"',
@@ -75,6 +81,7 @@ def test_everything_is_reached_by_tab(signed_in: Page, live: LiveService) -> Non
         "Show only",
         'role="slider"',
         "<summary",
-        "runs-status",
+        "table-latex",
+        'class="sorter"',
     ):
         assert sought in text, sought

@@ -230,7 +230,7 @@ def test_downloads(opened: Page, live: LiveService, sweep: Sweep) -> None:
     curve = answer["panels"][0]["curves"][0]
     assert [float(row["mean"]) for row in rows[:12]] == curve["mean"]
     assert {row["normalized"] for row in rows} == {"false"}
-    for form in ("PNG", "SVG"):
+    for form in ("PNG", "SVG", "PDF"):
         with opened.expect_download() as downloading:
             opened.get_by_role("link", name=form).click()
         assert downloading.value.suggested_filename == f"sweep-{sweep.id}.{form.lower()}"
@@ -247,18 +247,6 @@ def test_failures_are_told_with_their_reasons(opened: Page, live: LiveService) -
     )
     live.diverge(seed=2)
     expect(problems).to_contain_text("4 runs failed, 1 run diverged.")
-    opened.locator("#runs-status").select_option("diverged")
-    rows = opened.locator(".runs tbody tr")
-    expect(rows).to_have_count(1)
-    expect(rows).to_contain_text("critic_loss")
-    assert state(opened) == {"runs": ["diverged"]}
-
-
-def test_a_run_is_cancelled_alone(opened: Page, live: LiveService, sweep: Sweep) -> None:
-    opened.get_by_role("button", name=f"Cancel run {sweep.id}-0", exact=True).click()
-    opened.get_by_role("button", name="Cancel the run").click()
-    expect(opened.locator(".runs tbody tr").first).to_contain_text("cancelling")
-    assert len(live.store.cancelling_runs()) == 1
 
 
 def test_cancelling_the_sweep(opened: Page, live: LiveService) -> None:
@@ -268,9 +256,35 @@ def test_cancelling_the_sweep(opened: Page, live: LiveService) -> None:
     opened.keyboard.press("Escape")
     assert live.store.cancelling_runs() == set()
     opened.get_by_role("button", name="Cancel sweep").click()
-    opened.get_by_role("button", name="Cancel the sweep").click()
-    expect(opened.locator(".runs tbody tr").first).to_contain_text("cancelling")
+    with opened.expect_response(re.compile("/cancel$")):
+        opened.get_by_role("button", name="Cancel the sweep").click()
     assert len(live.store.cancelling_runs()) == 16
+
+
+def test_the_score_table_sorts_and_marks_the_best(opened: Page, live: LiveService) -> None:
+    rows = opened.locator("#score-table tbody tr")
+    expect(rows).to_have_count(2)
+    expect(rows.get_by_role("rowheader")).to_have_text(["ddpg", "hybrid-ddpg"])
+    expect(rows.last.locator("strong")).to_have_count(2)
+    expect(rows.last).to_contain_text("n 4, 4 going on")
+    opened.locator("#score-table").get_by_role("button", name="Pendulum").click()
+    expect(rows.get_by_role("rowheader")).to_have_text(["hybrid-ddpg", "ddpg"])
+    assert state(opened) == {"sort": ["Pendulum"]}
+    live.train(9600, 20_000)
+    expect(rows.first).not_to_contain_text("going on")
+    with opened.expect_download() as downloading:
+        opened.get_by_role("link", name="LaTeX").click()
+    assert "tabular" in Path(downloading.value.path()).read_text(encoding="utf-8")
+
+
+def test_statistics_are_asked_for_when_opened(opened: Page) -> None:
+    opened.get_by_text("Statistics: interquartile means").click()
+    means = opened.get_by_role("region", name="Interquartile mean").get_by_role("row")
+    expect(means).to_have_count(2)
+    expect(means.first).to_contain_text(re.compile(r"ddpg\s*0\.\d{3} \[0\.\d{3}, 0\.\d{3}\]"))
+    expect(opened.get_by_role("figure", name="Performance profiles")).to_be_visible()
+    expect(opened.locator("#statistics")).to_contain_text("P(ddpg > hybrid-ddpg)")
+    assert state(opened) == {"statistics": ["1"]}
 
 
 def test_a_theme_redraws_the_charts(opened: Page) -> None:

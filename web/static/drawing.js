@@ -29,7 +29,7 @@ export function chartData(panel, known, view, axes) {
 }
 
 /** A logarithmic axis takes positive values only; else both sides of zero get one of their own. */
-function yScale(curves, references, isLog) {
+export function yScale(curves, references, isLog) {
   if (!isLog) return { scale: "linear", linearWithin: 1 };
   const values = [...curves.flatMap(drawnValues), ...references.map((line) => line.value)];
   if (values.every((value) => value > 0)) return { scale: "log", linearWithin: 1 };

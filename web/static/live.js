@@ -6,8 +6,8 @@ const FIRST_FETCH_MILLISECONDS = 500;
 
 /**
  * @param url of the event stream
- * @param refetch (kind) => void; asks for what a change of this kind may have touched, and for
- *   everything when the kind is "reload"
+ * @param refetch (kind, payload) => void; asks for what a change of this kind may have touched, and
+ *   for everything when the kind is "reload"
  * @returns the stream
  */
 export function follow(url, refetch) {
@@ -27,9 +27,9 @@ export function follow(url, refetch) {
     connection.lost();
     missed = true;
   });
-  stream.addEventListener("change", ({ detail: { kind } }) => {
+  stream.addEventListener("change", ({ detail: { kind, payload } }) => {
     if (kind === "reload") reload();
-    else refetch(kind);
+    else refetch(kind, payload);
   });
   stream.open();
   setTimeout(() => begun || reload(), FIRST_FETCH_MILLISECONDS);

@@ -1,146 +1,136 @@
-/** The runs of a sweep: how far each is, why one failed, and cancelling one. */
-import { post } from "./api.js";
-import { confirm } from "./confirm.js";
+/** The runs of a sweep: a page of them at a time, filtered and sorted by the service. */
+import { address, get } from "./api.js";
 import * as connection from "./connection.js";
-import { element, keyed, setText } from "./element.js";
-import { count, counted, duration, number } from "./format.js";
-import { Listing } from "./paging.js";
-import { statusMark } from "./sweep_text.js";
+import { Controls } from "./controls.js";
+import { element, setText } from "./element.js";
+import { count } from "./format.js";
+import { follow } from "./live.js";
+import { Refresh } from "./refresh.js";
+import { RunList } from "./run_list.js";
+import { SweepHead } from "./sweep_head.js";
+import { flag, list, oneOf, text, View } from "./view.js";
 
-const PAGE = 20;
-const REASONS_SHOWN = 8;
+const PAGE = 100;
+const SPARKLINE_POINTS = 40;
+const id = document.getElementById("sweep").dataset.sweep;
+const at = (name) => document.getElementById(name);
 
-export class Runs {
-  #sweepId;
-  #view;
-  #listing;
-  #refetch;
-  #rows = keyed(document.querySelector("#runs tbody"), (run) => run.id, (run) => this.#row(run));
+const view = new View({
+  status: oneOf("all", "running", "queued", "succeeded", "failed", "diverged", "cancelled"),
+  algorithm: text,
+  environment: text,
+  sort: oneOf("made", "return_mean", "timestep", "seconds"),
+  descending: flag,
+  after: list, // the cursors of the pages before this one
+  pick: list, // ids of the selected runs
+});
+const ASKED = ["status", "algorithm", "environment", "sort", "descending"];
 
-  /** @param refetch () => void; asks for `load` to be called */
-  constructor(sweepId, view, refetch) {
-    this.#sweepId = sweepId;
-    this.#view = view;
-    this.#refetch = refetch;
-    this.#listing = new Listing(`/sweeps/${sweepId}/runs`, PAGE);
-    const choice = document.getElementById("runs-status");
-    choice.value = view.get("runs");
-    choice.addEventListener("change", () => view.set({ runs: choice.value }));
-    view.addEventListener("change", ({ detail: fields }) => {
-      if (!fields.includes("runs")) return;
-      choice.value = view.get("runs");
-      this.#listing.restart();
-      refetch();
-    });
-    document.getElementById("more-runs").addEventListener("click", () => {
-      this.#listing.extend();
-      refetch();
-    });
+const controls = new Controls(at("controls"), view);
+const runs = new RunList(document.querySelector(".runs tbody"), view, () => refreshRuns.hurry());
+const onError = (error) => connection.failed(error);
+const refreshSweep = new Refresh(loadSweep, { interval: 1000, onError });
+const refreshRuns = new Refresh(loadRuns, { interval: 2000, onError });
+const head = new SweepHead(id, " · runs", () => refreshSweep.hurry(), hideRuns);
+
+let listed = [];
+let next = null; // the cursor of the page after this one
+
+const stream = follow(address(`/sweeps/${id}/events`), () => {
+  refreshSweep.request();
+  refreshRuns.request();
+});
+
+view.addEventListener("change", ({ detail: fields }) => {
+  if (ASKED.some((field) => fields.includes(field)) && !fields.includes("after")) {
+    view.set({ after: [] });
+  } else if (fields.includes("after")) {
+    refreshRuns.hurry();
+  } else {
+    showRuns();
   }
+});
+at("next").addEventListener("click", () => turn([...view.get("after"), next]));
+at("previous").addEventListener("click", () => turn(view.get("after").slice(0, -1)));
+at("compare").addEventListener("click", () => {
+  const query = new URLSearchParams(view.get("pick").map((picked) => ["run", picked]));
+  location.assign(`/compare?${query}`);
+});
 
-  /** Fetch and show the runs read so far. */
-  async load(signal) {
-    const chosen = this.#view.get("runs");
-    const status = chosen === "all" ? null : chosen;
-    const { items, hasMore } = await this.#listing.fetch({ status }, signal);
-    this.#rows(items);
-    document.getElementById("no-runs").hidden = items.length > 0;
-    document.getElementById("more-runs").hidden = !hasMore;
-  }
-
-  /** Say in one place what went wrong, each reason once; asks only when the counts moved. */
-  async loadProblems(counts, signal) {
-    const statuses = ["failed", "diverged"].filter((status) => counts[status] > 0);
-    const parts = statuses.map((status) => `${counted(counts[status], "run")} ${status}`);
-    const text = `${parts.join(", ")}.`;
-    const box = document.getElementById("problems");
-    const summary = box.querySelector("p");
-    if (statuses.length === 0 || summary.textContent === text) return;
-    const path = `/sweeps/${this.#sweepId}/runs`;
-    const lists = statuses.map((status) => new Listing(path, PAGE).fetch({ status }, signal));
-    const runs = (await Promise.all(lists)).flatMap(({ items }) => items);
-    setText(summary, text);
-    box.querySelector("ul").replaceChildren(...reasons(runs));
-    box.hidden = false;
-  }
-
-  #row(run) {
-    const status = element("td");
-    const timesteps = element("td", { class: "number" });
-    const took = element("td", { class: "number" });
-    const reason = element("td", { class: "reason" });
-    const actions = element("td");
-    const cancel = element("button", { type: "button", class: "quiet" }, "Cancel");
-    cancel.setAttribute("aria-label", `Cancel run ${run.id}`);
-    cancel.addEventListener("click", () => this.#cancel(run));
-    const node = element(
-      "tr",
-      {},
-      status,
-      element("td", {}, run.environment),
-      element("td", {}, learnerText(run)),
-      element("td", { class: "number" }, String(run.seed)),
-      timesteps,
-      took,
-      reason,
-      actions,
-    );
-    const update = (latest) => {
-      status.replaceChildren(statusMark(latest.status), statusText(latest));
-      setText(timesteps, `${count(latest.timestep)} / ${count(latest.timesteps)}`);
-      setText(took, tookText(latest));
-      setText(reason, latest.reason ?? "");
-      const canCancel = ["queued", "running"].includes(latest.status) && !latest.is_cancelling;
-      if (!canCancel) cancel.remove();
-      else if (!cancel.isConnected) actions.append(cancel);
-    };
-    return { node, update };
-  }
-
-  async #cancel(run) {
-    const meant = await confirm({
-      title: "Cancel this run?",
-      detail:
-        `${learnerText(run)} in ${run.environment}, seed ${run.seed}, will stop for good. ` +
-        "The other runs go on, and what was measured stays.",
-      yes: "Cancel the run",
-      no: "Let it run",
-    });
-    if (!meant) return;
-    try {
-      await post(`/runs/${run.id}/cancel`);
-      this.#refetch();
-    } catch (refusal) {
-      connection.refused(refusal);
-    }
-  }
+async function loadSweep(signal) {
+  await head.load(signal);
+  if (head.sweep === null) return;
+  const { algorithms, environments } = head.sweep.request;
+  offer("algorithm", algorithms?.map(({ name }) => name) ?? []);
+  offer("environment", environments ?? []);
+  showRange();
 }
 
-/** "hybrid-ddpg, w1 0.1, w2 0.1". */
-function learnerText({ algorithm, weights: { w1, w2 } }) {
-  return w1 === 0 && w2 === 0 ? algorithm : `${algorithm}, w1 ${number(w1)}, w2 ${number(w2)}`;
+async function loadRuns(signal) {
+  const chosen = view.get("status");
+  const answer = await get(
+    `/sweeps/${id}/runs`,
+    {
+      status: chosen === "all" ? null : chosen,
+      algorithm: view.get("algorithm"),
+      environment: view.get("environment"),
+      sort: view.get("sort"),
+      descending: view.get("descending"),
+      after: view.get("after").at(-1),
+      limit: PAGE,
+      sparkline: SPARKLINE_POINTS,
+    },
+    signal,
+  );
+  listed = answer.items;
+  next = answer.next;
+  showRuns();
+  connection.fresh();
 }
 
-function statusText({ status, is_cancelling: isCancelling }) {
-  return isCancelling && status === "running" ? "cancelling" : status;
+function showRuns() {
+  runs.show(listed);
+  const picked = view.get("pick").length;
+  setText(at("compare"), picked > 0 ? `Compare ${count(picked)} selected` : "Compare selected");
+  at("compare").disabled = picked === 0;
+  at("loading").hidden = true;
+  document.querySelector(".runs").hidden = listed.length === 0;
+  at("no-runs").hidden = listed.length > 0;
+  at("previous").disabled = view.get("after").length === 0;
+  at("next").disabled = next === null;
+  showRange();
 }
 
-function tookText({ started_at: start, finished_at: end }) {
-  return start && end ? duration((new Date(end) - new Date(start)) / 1000) : "";
+function showRange() {
+  const before = PAGE * view.get("after").length;
+  const range = `${count(before + 1)} to ${count(before + listed.length)}`;
+  const total = totalOf(head.sweep);
+  setText(at("range"), listed.length === 0 ? "" : range + (total ? ` of ${total}` : ""));
 }
 
-function reasons(runs) {
-  const groups = new Map();
-  for (const run of runs) {
-    const text = run.reason || "no reason was recorded";
-    groups.set(text, [...(groups.get(text) ?? []), run]);
+/** How many runs there are under the filter, where the sweep's counts say it; else "". */
+function totalOf(sweep) {
+  if (sweep === null || view.get("algorithm") || view.get("environment")) return "";
+  const status = view.get("status");
+  return count(sweep.runs[status === "all" ? "total" : status]);
+}
+
+function turn(after) {
+  view.set({ after });
+  at("runs").scrollIntoView();
+}
+
+/** Let a filter choose among these names, and the one that it has already. */
+function offer(field, names) {
+  const select = at("controls").elements[field];
+  const offered = new Set([...select.options].map((option) => option.value));
+  for (const each of new Set([...names, view.get(field)])) {
+    if (!offered.has(each)) select.append(element("option", { value: each }, each));
   }
-  const shown = [...groups].slice(0, REASONS_SHOWN).map(([text, alike]) => {
-    const [first] = alike;
-    const others = alike.length > 1 ? ` and ${alike.length - 1} more` : "";
-    const who = `${learnerText(first)} in ${first.environment}, seed ${first.seed}${others}: `;
-    return element("li", {}, who, element("span", { class: "reason" }, text));
-  });
-  const hidden = groups.size - shown.length;
-  return hidden > 0 ? [...shown, element("li", {}, `${hidden} other reasons`)] : shown;
+  controls.update();
+}
+
+function hideRuns() {
+  stream.close();
+  at("runs").hidden = true;
 }

@@ -1,35 +1,44 @@
-/** A sweep's page: its state, its curves as they grow, its runs. */
+/** A sweep's page: its state, its curves as they grow, its scores. */
 import { address, get } from "./api.js";
 import * as connection from "./connection.js";
 import { Controls } from "./controls.js";
 import { toCsv } from "./curve_table.js";
 import { RETURNS } from "./drawing.js";
 import { keyed, setText } from "./element.js";
-import { percent, remaining } from "./format.js";
 import { identities } from "./identity.js";
 import { Legend } from "./legend.js";
 import { follow } from "./live.js";
+import { MetricChoice } from "./metric_choice.js";
 import { Panel } from "./panel.js";
 import { Refresh } from "./refresh.js";
-import { Runs } from "./runs.js";
-import { cancelSweep, isActive, statusCounts, summary, timeElement } from "./sweep_text.js";
-import { View } from "./view.js";
+import { ScoreTable } from "./score_table.js";
+import { Statistics } from "./statistics.js";
+import { SweepHead } from "./sweep_head.js";
+import { CURVE_FIELDS, flag, list, name, oneOf, text, View } from "./view.js";
 
 const MAX_POINTS = 300;
 const id = document.getElementById("sweep").dataset.sweep;
 const at = (name) => document.getElementById(name);
 
-const view = new View();
-const controls = new Controls(at("controls"), view);
+const view = new View({
+  ...CURVE_FIELDS,
+  metric: name("return_mean"),
+  scale: oneOf("normalized", "raw"),
+  band: oneOf("std", "ci95", "iqr", "none"),
+  seeds: flag,
+  hide: list, // labels of curves
+  sort: text, // the environment by which the score table is sorted
+  statistics: flag, // whether they are open
+});
+new Controls(at("controls"), view);
+const metrics = new MetricChoice(at("controls"), view);
 const legend = new Legend(at("legend"), view);
-const showCounts = statusCounts(at("counts"));
 const showPanels = keyed(
   at("panels"),
   ({ panel }) => panel.environment,
   ({ panel }) => new Panel(panel.environment, view),
 );
 
-let sweep = null;
 let comparison = null; // the latest curves, and the question that they answer
 let answered = "";
 
@@ -37,15 +46,22 @@ const onError = (error) => connection.failed(error);
 const refreshSweep = new Refresh(loadSweep, { interval: 1000, onError });
 const refreshCurves = new Refresh(loadCurves, { interval: 500, onError });
 const refreshMetrics = new Refresh(loadMetrics, { interval: 30_000, onError });
-const refreshRuns = new Refresh((signal) => runs.load(signal), { interval: 2000, onError });
-const runs = new Runs(id, view, () => refreshRuns.hurry());
+const refreshScores = new Refresh((signal) => scores.load(signal), { interval: 3000, onError });
+const refreshStatistics = new Refresh((signal) => statistics.load(signal), {
+  interval: 10_000,
+  onError,
+});
+const head = new SweepHead(id, "", () => refreshSweep.hurry(), hideAll);
+const scores = new ScoreTable(id, view, () => refreshScores.hurry());
+const statistics = new Statistics(id, view, () => refreshStatistics.hurry());
 
 const stream = follow(address(`/sweeps/${id}/events`), (kind) => {
   refreshSweep.request();
-  refreshRuns.request();
   if (kind === "run") return;
   refreshCurves.request();
   refreshMetrics.request();
+  refreshScores.request();
+  refreshStatistics.request();
 });
 
 view.addEventListener("change", () => {
@@ -54,23 +70,14 @@ view.addEventListener("change", () => {
   else draw();
 });
 document.addEventListener("themechange", draw);
-at("cancel").addEventListener("click", cancel);
 at("download-csv").addEventListener("click", downloadCsv);
 at("copy-link").addEventListener("click", copyLink);
 showDownloads();
 
 async function loadSweep(signal) {
-  const isFirst = sweep === null;
-  try {
-    sweep = await get(`/sweeps/${id}`, {}, signal);
-  } catch (error) {
-    if (error.status !== 404) throw error;
-    showMissing(error.message);
-    return;
-  }
-  showSweep();
+  const isFirst = head.sweep === null;
+  await head.load(signal);
   if (isFirst) draw();
-  await runs.loadProblems(sweep.runs, signal);
 }
 
 /** What the service is asked for: only what changes its answer. */
@@ -99,30 +106,18 @@ async function loadCurves(signal) {
 
 /** What there is to show: learners differ in their diagnostics, and start one after the other. */
 async function loadMetrics(signal) {
-  controls.offerMetrics(await get(`/sweeps/${id}/metrics`, {}, signal));
-}
-
-function showSweep() {
-  document.title = `${percent(sweep.progress)} · ${sweep.name} · d3pg`;
-  setText(at("name"), sweep.name);
-  at("summary").replaceChildren(summary(sweep), " · submitted ", timeElement(sweep.created_at));
-  at("progress").value = sweep.progress;
-  setText(at("percent"), percent(sweep.progress));
-  const left = isActive(sweep) ? remaining(sweep.eta_seconds) : sweep.status;
-  setText(at("remaining"), left);
-  showCounts(sweep);
-  at("cancel").hidden = !isActive(sweep);
+  metrics.offer(await get(`/sweeps/${id}/metrics`, {}, signal));
 }
 
 /** Draw the latest answer, unless the person already asks for another. */
 function draw() {
-  if (sweep === null || comparison === null) return;
+  if (head.sweep === null || comparison === null) return;
   if (JSON.stringify(question()) !== answered) return;
   const known = identities(comparison.panels);
   const axes = {
     xLabel: comparison.x,
     yLabel: comparison.normalized ? `normalised ${comparison.metric}` : comparison.metric,
-    xMax: comparison.x === "timesteps" ? (sweep.request.timesteps ?? null) : null,
+    xMax: comparison.x === "timesteps" ? (head.sweep.request.timesteps ?? null) : null,
   };
   legend.update(known);
   showPanels(comparison.panels.map((panel) => ({ panel, known, axes })));
@@ -133,7 +128,7 @@ function showDownloads() {
   const { metric, ...parameters } = question();
   delete parameters.seeds;
   delete parameters.max_points;
-  for (const form of ["png", "svg"]) {
+  for (const form of ["png", "svg", "pdf"]) {
     const link = at(`download-${form}`);
     link.href = address(`/sweeps/${id}/plot.${form}`, parameters);
     link.download = `sweep-${id}.${form}`;
@@ -156,17 +151,7 @@ async function copyLink() {
   setTimeout(() => setText(at("copy-link"), "Copy link"), 2000);
 }
 
-async function cancel() {
-  try {
-    if (await cancelSweep(sweep)) refreshSweep.hurry();
-  } catch (refusal) {
-    connection.refused(refusal);
-  }
-}
-
-function showMissing(message) {
+function hideAll() {
   stream.close();
-  setText(at("missing"), message);
-  at("missing").hidden = false;
-  at("curves").hidden = at("runs").hidden = true;
+  at("curves").hidden = at("scores").hidden = at("statistics").hidden = true;
 }

@@ -2,9 +2,9 @@
 import { post } from "./api.js";
 import { confirm } from "./confirm.js";
 import { element, keyed, setText } from "./element.js";
-import { ago, count, counted, dateAndTime } from "./format.js";
+import { ago, count, counted, dateAndTime, remaining } from "./format.js";
 
-const STATUSES = ["running", "queued", "succeeded", "failed", "diverged", "cancelled"];
+const STATUSES = ["running", "queued", "paused", "succeeded", "failed", "diverged", "cancelled"];
 
 /** "2 algorithms × 8 environments × 16 seeds, 20,000 timesteps", out of what was posted. */
 export function summary({ request }) {
@@ -23,7 +23,18 @@ export function summary({ request }) {
 
 /** Whether there is anything left to cancel. */
 export function isActive({ runs }) {
-  return runs.queued + runs.running > 0;
+  return runs.queued + runs.running + (runs.paused ?? 0) > 0;
+}
+
+/** Whether its runs wait for somebody to resume it. */
+export function isPaused(sweep) {
+  return sweep.status === "paused" || sweep.runs.paused > 0;
+}
+
+/** "about 3 min left", "paused", or how it ended. */
+export function stateText(sweep) {
+  if (isPaused(sweep)) return "paused";
+  return isActive(sweep) ? remaining(sweep.eta_seconds) : sweep.status;
 }
 
 /** A list of "3 running" entries that keeps up with a sweep's counts; statuses of 0 are left out. */
@@ -39,7 +50,7 @@ export function statusCounts(list) {
   );
   return ({ runs }) =>
     show(
-      STATUSES.map((status) => ({ status, amount: runs[status] })).filter(({ amount }) => amount > 0),
+      STATUSES.map((status) => ({ status, amount: runs[status] ?? 0 })).filter(({ amount }) => amount > 0),
     );
 }
 
@@ -61,7 +72,7 @@ export function updateTimes() {
 
 /** Cancel a sweep if the person means it. Throws Refusal. */
 export async function cancelSweep(sweep) {
-  const stopping = ["running", "queued"]
+  const stopping = ["running", "queued", "paused"]
     .filter((status) => sweep.runs[status] > 0)
     .map((status) => counted(sweep.runs[status], `${status} run`));
   const meant = await confirm({

@@ -2,13 +2,14 @@
 import { address } from "./api.js";
 import * as connection from "./connection.js";
 import { element, keyed, setText } from "./element.js";
-import { percent, remaining } from "./format.js";
+import { percent } from "./format.js";
 import { follow } from "./live.js";
 import { Listing } from "./paging.js";
 import { Refresh } from "./refresh.js";
 import {
   cancelSweep,
   isActive,
+  stateText,
   statusCounts,
   summary,
   timeElement,
@@ -77,7 +78,7 @@ function row(first) {
     sweep = latest;
     bar.value = sweep.progress;
     setText(done, percent(sweep.progress));
-    setText(left, isActive(sweep) ? remaining(sweep.eta_seconds) : sweep.status);
+    setText(left, stateText(sweep));
     showCounts(sweep);
     cancel.hidden = !isActive(sweep);
   };

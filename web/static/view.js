@@ -1,56 +1,60 @@
 /** What a person chose to see. All of it lives in the address, so that a link shows the same. */
 
-/** A field reads its value out of the address's texts, null when they make no sense. */
-const oneOf = (...choices) => ({
+// A field reads its value out of the address's texts, null when they make no sense.
+
+export const oneOf = (...choices) => ({
   initial: choices[0],
   parse: ([text]) => (choices.includes(text) ? text : null),
   format: (choice) => [choice],
 });
-const flag = {
+export const flag = {
   initial: false,
   parse: ([text]) => (text === "1" ? true : null),
   format: (value) => (value ? ["1"] : []),
 };
-const name = (initial) => ({
+export const name = (initial) => ({
   initial,
   parse: ([text]) => (/^[\w.-]+$/.test(text) ? text : null),
   format: (value) => [value],
 });
-const share = {
+export const text = {
+  initial: "",
+  parse: ([value]) => value,
+  format: (value) => [value],
+};
+export const share = {
   initial: 0,
   parse: ([text]) => (Number(text) > 0 && Number(text) < 1 ? Number(text) : null),
   format: (value) => [String(value)],
 };
-const list = {
+export const list = {
   initial: [],
   parse: (texts) => texts,
   format: (items) => items,
 };
 
-const FIELDS = {
-  metric: name("return_mean"),
-  scale: oneOf("normalized", "raw"),
+/** How learning curves are looked at, wherever they are drawn. */
+export const CURVE_FIELDS = {
   x: oneOf("timesteps", "updates", "jacobians", "seconds"),
-  band: oneOf("std", "ci95", "iqr", "none"),
   logx: flag,
   logy: flag,
   smoothing: share,
-  seeds: flag,
-  hide: list, // labels of curves
-  table: list, // environments whose table is open
-  runs: oneOf("all", "running", "queued", "succeeded", "failed", "diverged", "cancelled"),
+  table: list, // charts whose table is open
 };
 
 /** Dispatches "change" with detail: the names of the fields that changed. */
 export class View extends EventTarget {
+  #fields;
   #values = {};
 
-  constructor() {
+  /** @param fields by name, made of the kinds above */
+  constructor(fields) {
     super();
+    this.#fields = fields;
     this.#read();
     window.addEventListener("popstate", () => {
       this.#read();
-      this.#announce(Object.keys(FIELDS));
+      this.#announce(Object.keys(fields));
     });
   }
 
@@ -66,9 +70,10 @@ export class View extends EventTarget {
     this.#announce(Object.keys(changes));
   }
 
-  /** Everything as a first visit shows it. */
-  reset() {
-    this.set(initial());
+  /** Everything as a first visit shows it, but for some fields. */
+  reset(kept = []) {
+    const values = Object.fromEntries(kept.map((field) => [field, this.#values[field]]));
+    this.set({ ...this.#initial(), ...values });
   }
 
   get isInitial() {
@@ -81,8 +86,8 @@ export class View extends EventTarget {
 
   #read() {
     const query = new URLSearchParams(location.search);
-    this.#values = initial();
-    for (const [name, field] of Object.entries(FIELDS)) {
+    this.#values = this.#initial();
+    for (const [name, field] of Object.entries(this.#fields)) {
       const value = query.has(name) ? field.parse(query.getAll(name)) : null;
       if (value !== null) this.#values[name] = value;
     }
@@ -91,15 +96,16 @@ export class View extends EventTarget {
   /** Only what differs from a first visit's view. */
   #query() {
     const query = new URLSearchParams();
-    for (const [name, field] of Object.entries(FIELDS)) {
+    for (const [name, field] of Object.entries(this.#fields)) {
       const texts = field.format(this.#values[name]);
       if (String(texts) === String(field.format(field.initial))) continue;
       for (const text of texts) query.append(name, text);
     }
     return query;
   }
-}
 
-function initial() {
-  return Object.fromEntries(Object.entries(FIELDS).map(([name, field]) => [name, field.initial]));
+  #initial() {
+    const entries = Object.entries(this.#fields);
+    return Object.fromEntries(entries.map(([name, field]) => [name, field.initial]));
+  }
 }

@@ -1,0 +1,103 @@
+"""A run's page, and runs and sweeps side by side."""
+
+import re
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from service.sweep import Sweep
+from tests.web.live_service import LiveService
+from tests.web.test_accessibility import violations
+from tests.web.test_sweep_page import state
+
+pytestmark = pytest.mark.browser
+
+
+@pytest.fixture
+def sweep(live: LiveService) -> Sweep:
+    sweep = live.add_sweep(environments=("Pendulum",))
+    live.train(0, 9600)
+    return sweep
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_a_run_s_curves_grow(signed_in: Page, live: LiveService, sweep: Sweep, scheme: str) -> None:
+    signed_in.emulate_media(color_scheme="dark" if scheme == "dark" else "light")
+    signed_in.goto(f"{live.url}/runs/{sweep.id}-5")
+    expect(signed_in.get_by_role("heading", level=1)).to_have_text(
+        "hybrid-ddpg, w1 0.1, w2 0.1 in Pendulum, seed 1"
+    )
+    returns = signed_in.get_by_role("figure", name="Return")
+    returns.get_by_text("View as table").click()
+    rows = returns.locator("tbody tr")
+    expect(rows).to_have_count(12)
+    live.train(9600, 12_000)
+    expect(rows).to_have_count(15)
+    expect(signed_in.locator("#percent")).to_have_text("60 %")
+    expect(signed_in.get_by_role("figure", name="Losses").locator("canvas")).to_be_visible()
+    signed_in.get_by_label("Over").select_option("updates")
+    expect(rows.first.get_by_role("rowheader")).to_have_text("400")
+    assert state(signed_in) == {"x": ["updates"], "table": ["Return"]}
+    assert violations(signed_in) == []
+    assert signed_in.get_by_role("link", name=f"sweep {sweep.id}").get_attribute("href") == (
+        f"/sweeps/{sweep.id}"
+    )
+
+
+def test_a_failed_run_tells_why(signed_in: Page, live: LiveService, sweep: Sweep) -> None:
+    live.fail("Traceback ...\nValueError: <b>no</b>")
+    signed_in.goto(f"{live.url}/runs/{sweep.id}-4")
+    expect(signed_in.locator("#reason")).to_contain_text("ValueError: <b>no</b>")
+    attempt = signed_in.locator("#attempts li")
+    expect(attempt).to_contain_text("failed on test")
+    expect(attempt.locator("pre").first).to_contain_text("Traceback ...")
+    expect(signed_in.get_by_role("button", name="Cancel run")).to_be_hidden()
+
+
+def test_a_run_is_cancelled_on_its_page(signed_in: Page, live: LiveService, sweep: Sweep) -> None:
+    signed_in.goto(f"{live.url}/runs/{sweep.id}-0")
+    signed_in.get_by_role("button", name="Cancel run").click()
+    signed_in.get_by_role("button", name="Cancel the run").click()
+    expect(signed_in.locator("#status")).to_contain_text("cancelling")
+    assert live.store.cancelling_runs() == {f"{sweep.id}-0"}
+
+
+def test_sweeps_are_compared(signed_in: Page, live: LiveService, sweep: Sweep) -> None:
+    other = live.add_sweep("second look", (("hybrid-ddpg", 1.0, 0.0),), ("Pendulum",), seeds=3)
+    live.train(0, 9600)
+    signed_in.goto(f"{live.url}/compare?sweep={sweep.id}")
+    legend = signed_in.locator("#legend li")
+    expect(legend).to_have_count(2)
+    signed_in.get_by_label("Add").select_option(other.id)
+    expect(legend).to_have_count(3)
+    expect(legend.last).to_contain_text("hybrid-ddpg · second look")
+    differing = signed_in.locator("#differences .differs")
+    expect(differing.filter(has_text="seeds")).to_have_text(re.compile(r"seeds\s*4\s*3"))
+    expect(signed_in.locator("#differences")).not_to_contain_text("timesteps")
+    signed_in.get_by_label("those that agree too").check()
+    expect(signed_in.locator("#differences")).to_contain_text("timesteps")
+    assert violations(signed_in) == []
+    signed_in.get_by_role("button", name="Remove second look").click()
+    expect(legend).to_have_count(2)
+
+
+def test_runs_are_compared(signed_in: Page, live: LiveService, sweep: Sweep) -> None:
+    signed_in.goto(f"{live.url}/compare?run={sweep.id}-0&run={sweep.id}-4")
+    expect(signed_in.locator("#legend li")).to_have_count(2)
+    expect(signed_in.get_by_role("radio", name="normalised")).to_be_disabled()
+    expect(signed_in.get_by_role("figure", name="Pendulum").locator("canvas")).to_be_visible()
+    expect(signed_in.locator("#differences .differs").first).to_have_text(
+        re.compile(r"algorithm\s*ddpg\s*hybrid-ddpg")
+    )
+
+
+def test_the_catalogue_shows_audits_and_settings(signed_in: Page, live: LiveService) -> None:
+    signed_in.get_by_role("link", name="Catalogue").click()
+    expect(signed_in.locator("#environments tbody").first).to_contain_text("passed")
+    expect(signed_in.locator("#environments")).to_contain_text("Acrobot")
+    card = signed_in.get_by_role("article").filter(
+        has=signed_in.get_by_text("hybrid-ddpg", exact=True)
+    )
+    card.get_by_text("Presets").click()
+    expect(card.get_by_role("region", name="Presets of hybrid-ddpg")).to_contain_text("Pendulum")
+    assert violations(signed_in) == []

@@ -1,0 +1,90 @@
+"""The runs of a sweep: filtered, sorted, paged, chosen and stopped."""
+
+import re
+
+import pytest
+from playwright.sync_api import Locator, Page, expect
+
+from service.sweep import Sweep
+from tests.web.live_service import LiveService
+from tests.web.test_sweep_page import state
+
+pytestmark = pytest.mark.browser
+
+
+@pytest.fixture
+def sweep(live: LiveService) -> Sweep:
+    sweep = live.add_sweep()
+    live.train(0, 9600)
+    return sweep
+
+
+@pytest.fixture
+def rows(signed_in: Page, live: LiveService, sweep: Sweep) -> Locator:
+    signed_in.goto(f"{live.url}/sweeps/{sweep.id}/runs")
+    found = signed_in.locator(".runs tbody tr")
+    expect(found).to_have_count(16)
+    return found
+
+
+def test_runs_are_filtered_and_sorted_by_the_address(rows: Locator, live: LiveService) -> None:
+    live.diverge(seed=2)
+    page = rows.page
+    page.locator("[name=status]").select_option("diverged")
+    expect(rows).to_have_count(1)
+    expect(rows).to_contain_text("critic_loss")
+    assert state(page) == {"status": ["diverged"]}
+    page.get_by_role("button", name="Reset view").click()
+    page.get_by_label("Environment").select_option("Pendulum")
+    page.get_by_label("Algorithm").select_option("hybrid-ddpg")
+    page.get_by_label("Sorted by").select_option("return_mean")
+    page.get_by_label("largest first").check()
+    expect(rows).to_have_count(4)
+    latest = [float(row.split("\t")[7].replace("−", "-")) for row in rows.all_inner_texts()]
+    assert latest == sorted(latest, reverse=True)
+    page.reload()
+    expect(rows).to_have_count(4)
+    expect(page.get_by_label("Sorted by")).to_have_value("return_mean")
+
+
+def test_a_run_is_cancelled_alone(rows: Locator, live: LiveService) -> None:
+    rows.page.get_by_role("button", name="Cancel run 0", exact=True).click()
+    rows.page.get_by_role("button", name="Cancel the run").click()
+    expect(rows.first).to_contain_text("cancelling")
+    assert len(live.store.cancelling_runs()) == 1
+
+
+def test_selected_runs_are_compared(rows: Locator, sweep: Sweep) -> None:
+    page = rows.page
+    expect(page.get_by_role("button", name="Compare selected")).to_be_disabled()
+    page.get_by_role("checkbox", name="Select run 3").check()
+    page.get_by_role("checkbox", name="Select run 12").check()
+    page.get_by_role("button", name="Compare 2 selected").click()
+    page.wait_for_url(re.compile(f"/compare\\?run={sweep.id}-3&run={sweep.id}-12$"))
+
+
+def test_rows_progress_by_themselves(rows: Locator, live: LiveService) -> None:
+    expect(rows.first).to_contain_text("9,600 / 20,000")
+    before = rows.first.locator("polyline").get_attribute("points")
+    live.train(9600, 20_000)
+    expect(rows.first).to_contain_text("succeeded")
+    assert rows.first.locator("polyline").get_attribute("points") != before
+
+
+@pytest.mark.slow
+def test_ten_thousand_runs(signed_in: Page, live: LiveService) -> None:
+    sweep = live.add_sweep("large", environments=("Pendulum",), seeds=5000, timesteps=4000)
+    live.train(0, 4000)
+    signed_in.goto(f"{live.url}/sweeps/{sweep.id}/runs?sort=return_mean&descending=1")
+    rows = signed_in.locator(".runs tbody tr")
+    expect(rows).to_have_count(100)
+    expect(signed_in.locator("#range")).to_have_text("1 to 100 of 10,000")
+    shown = signed_in.evaluate("performance.now()")
+    first = rows.first.inner_text()
+    signed_in.evaluate("performance.mark('turn')")
+    signed_in.get_by_role("button", name="Next").click()
+    expect(signed_in.locator("#range")).to_have_text("101 to 200 of 10,000")
+    expect(rows.first).not_to_have_text(first)
+    turned = signed_in.evaluate("performance.measure('turn', 'turn').duration")
+    print({"ten_thousand_runs_shown_ms": round(shown), "page_turned_ms": round(turned)})  # noqa: T201
+    assert turned < 1000

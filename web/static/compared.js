@@ -1,0 +1,79 @@
+/**
+ * Sweeps and runs as what a comparison shows of either: a name, settings, and panels of curves as
+ * the service answers them for a sweep.
+ */
+import { get } from "./api.js";
+import { abscissa } from "./diagnostics.js";
+import { flat } from "./facts.js";
+import { learnerText } from "./run_text.js";
+
+/** @param question what is asked of a sweep's curves */
+export async function comparedSweep(id, question, signal) {
+  const sweep = await get(`/sweeps/${id}`, {}, signal);
+  const { panels } = await get(`/sweeps/${id}/curves`, question, signal);
+  return {
+    id,
+    name: sweep.name,
+    page: `/sweeps/${id}`,
+    settings: flat(sweepSettings(sweep)),
+    panels,
+  };
+}
+
+/** A run is a curve of one seed, in raw returns. */
+export async function comparedRun(id, { metric, x }, signal) {
+  const run = await get(`/runs/${id}`, {}, signal);
+  const { columns } = await get(`/runs/${id}/measurements`, {}, signal);
+  const mean = columns[metric] ?? columns.timestep.map(() => null);
+  const curve = {
+    label: `${learnerText(run)}, seed ${run.seed}`,
+    algorithm: run.algorithm,
+    runs: 1,
+    x: abscissa(columns, x),
+    mean,
+    low: mean.map(() => null),
+    high: mean.map(() => null),
+    n: mean.map(() => 1),
+    seeds: [],
+  };
+  const { algorithm, environment, seed, timesteps, weights, config, fingerprint } = run;
+  return {
+    id,
+    name: `run ${id}`,
+    page: `/runs/${id}`,
+    settings: flat({ algorithm, environment, seed, timesteps, ...weights, config, fingerprint }),
+    panels: [{ environment, random_return: null, curves: [curve] }],
+  };
+}
+
+function sweepSettings({ request, priority }) {
+  const { algorithms, environments, seeds, timesteps } = request;
+  const learners = Object.fromEntries(
+    algorithms.map(({ name, weights, config }, i) => {
+      const isAlone = algorithms.filter((other) => other.name === name).length === 1;
+      return [isAlone ? name : `${name} (${i + 1})`, { weights: weightsText(weights), ...config }];
+    }),
+  );
+  return { environments, seeds, timesteps: timesteps ?? "preset", priority, ...learners };
+}
+
+function weightsText(weights) {
+  if (weights === undefined || weights === null) return "preset";
+  return [weights].flat().map(({ w1 = 0, w2 = 0 }) => `(${w1}, ${w2})`);
+}
+
+/** The panels of all of them, environment by environment; a label says whose curve it is. */
+export function overlaid(compared) {
+  const names = compared.map(({ name }) => name);
+  const panels = new Map();
+  for (const { id, name, panels: own } of compared) {
+    const isUnique = names.indexOf(name) === names.lastIndexOf(name);
+    const whose = isUnique ? name : `${name} (${id})`;
+    for (const panel of own) {
+      const curves = panel.curves.map((curve) => ({ ...curve, label: `${curve.label} · ${whose}` }));
+      const joined = panels.get(panel.environment) ?? { ...panel, curves: [] };
+      panels.set(panel.environment, { ...joined, curves: [...joined.curves, ...curves] });
+    }
+  }
+  return [...panels.values()];
+}

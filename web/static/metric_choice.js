@@ -1,0 +1,29 @@
+/** The choice of what curves show: only returns have a normalised scale. */
+import { RETURNS } from "./drawing.js";
+import { element } from "./element.js";
+
+export class MetricChoice {
+  #form;
+  #view;
+  #hasScale;
+
+  /** @param hasScale () => whether returns have a normalised scale here */
+  constructor(form, view, hasScale = () => true) {
+    this.#form = form;
+    this.#view = view;
+    this.#hasScale = hasScale;
+    view.addEventListener("change", () => this.offer([]));
+    this.offer([]);
+  }
+
+  /** Offer metrics beside those that are offered already. */
+  offer(names) {
+    const { metric, normalization } = this.#form.elements;
+    const offered = new Set([...metric.options].map((option) => option.value));
+    for (const name of new Set([...RETURNS, ...names, this.#view.get("metric")])) {
+      if (!offered.has(name)) metric.append(element("option", { value: name }, name));
+    }
+    metric.value = this.#view.get("metric");
+    normalization.disabled = !RETURNS.includes(metric.value) || !this.#hasScale();
+  }
+}
