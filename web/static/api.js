@@ -4,10 +4,14 @@ const PREFIX = "/api/v1";
 
 /** What the service refused, in its own words (problem+json), or that it could not be reached. */
 export class Refusal extends Error {
-  /** @param status HTTP status, 0 when there was no answer at all */
-  constructor(status, message) {
+  /**
+   * @param status HTTP status, 0 when there was no answer at all
+   * @param errors [{ field, message }]: what is wrong where
+   */
+  constructor(status, message, errors = []) {
     super(message);
     this.status = status;
+    this.errors = errors;
   }
 }
 
@@ -26,9 +30,10 @@ export function get(path, parameters = {}, signal = undefined) {
 }
 
 /** Ask for an action such as `/sweeps/{id}/cancel`; throws Refusal. */
-export function post(path, body = undefined) {
+export function post(path, body = undefined, headers = {}, signal = undefined) {
   const json = body === undefined ? {} : { "Content-Type": "application/json" };
-  return send(address(path), { method: "POST", headers: json, body: JSON.stringify(body) });
+  const sent = { method: "POST", headers: { ...json, ...headers }, signal };
+  return send(address(path), { ...sent, body: JSON.stringify(body) });
 }
 
 async function send(url, options) {
@@ -39,7 +44,7 @@ async function send(url, options) {
     if (error.name === "AbortError") throw error;
     throw new Refusal(0, "The service cannot be reached.");
   }
-  if (!response.ok) throw new Refusal(response.status, await explanation(response));
+  if (!response.ok) throw await refusal(response);
   try {
     return await response.json();
   } catch (error) {
@@ -48,14 +53,16 @@ async function send(url, options) {
   }
 }
 
-async function explanation(response) {
-  if (response.status === 401) {
-    return "This browser is not signed in. Open the link that `d3pg serve` printed.";
+async function refusal(response) {
+  const { status, statusText } = response;
+  if (status === 401) {
+    const advice = "This browser is not signed in. Open the link that `d3pg serve` printed.";
+    return new Refusal(status, advice);
   }
   try {
-    const problem = await response.json();
-    return problem.detail || problem.title || `The service answered ${response.status}.`;
+    const { detail, title, errors } = await response.json();
+    return new Refusal(status, detail || title || `The service answered ${status}.`, errors ?? []);
   } catch {
-    return `The service answered ${response.status} ${response.statusText}.`;
+    return new Refusal(status, `The service answered ${status} ${statusText}.`);
   }
 }

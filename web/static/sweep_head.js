@@ -65,6 +65,7 @@ export class SweepHead {
     setText(at("percent"), percent(sweep.progress));
     setText(at("remaining"), stateText(sweep));
     setText(at("total"), count(sweep.runs.total));
+    at("again").href = `/?${new URLSearchParams({ new: JSON.stringify(sweep.request) })}`;
     this.#showCounts(sweep);
     showActions(sweep);
   }

@@ -6,6 +6,7 @@ import { percent } from "./format.js";
 import { follow } from "./live.js";
 import { Listing } from "./paging.js";
 import { Refresh } from "./refresh.js";
+import { Submission } from "./submission.js";
 import {
   cancelSweep,
   isActive,
@@ -15,6 +16,7 @@ import {
   timeElement,
   updateTimes,
 } from "./sweep_text.js";
+import { text, View } from "./view.js";
 
 const PAGE = 50;
 const at = (name) => document.getElementById(name);
@@ -26,6 +28,7 @@ const refresh = new Refresh(load, {
   onError: (error) => connection.failed(error),
 });
 
+new Submission(new View({ new: text }));
 follow(address("/events"), () => refresh.request());
 setInterval(updateTimes, 20_000);
 at("more").addEventListener("click", () => {

@@ -1,0 +1,79 @@
+"""The form that submits a sweep: what it says before, what it refuses, what it sends."""
+
+import json
+from urllib.parse import quote
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from tests.web.live_service import LiveService
+from tests.web.test_accessibility import violations
+
+pytestmark = pytest.mark.browser
+
+
+def test_a_sweep_is_counted_and_submitted_once(signed_in: Page, live: LiveService) -> None:
+    signed_in.get_by_role("button", name="New sweep").click()
+    form = signed_in.locator("#submission-form")
+    expect(form.get_by_label("Name")).to_be_focused()
+    expect(form.locator("#estimate")).to_have_text(
+        "Choose at least one algorithm and one environment."
+    )
+    expect(form.get_by_role("button", name="Submit")).to_be_disabled()
+    form.get_by_label("Name").fill("from the form")
+    form.locator("[name=algorithm][value=ddpg]").check()
+    form.locator("[name=algorithm][value=hybrid-ddpg]").check()
+    form.get_by_label("Weights w1, w2").first.fill("0.1, 0.1; 1, 0")
+    form.locator("[name=environment][value=Pendulum]").check()
+    form.get_by_label("Seeds").fill("3, 5")
+    form.get_by_label("Timesteps").fill("4000")
+    expect(form.locator("#estimate")).to_contain_text("6 runs, 24,000 timesteps")
+    form.get_by_text("What will run").click()
+    expect(form.get_by_role("region", name="Planned runs").locator("tbody tr")).to_have_count(3)
+    assert violations(signed_in) == []
+    form.get_by_role("button", name="Submit").dblclick()
+    signed_in.wait_for_url(f"{live.url}/sweeps/*")
+    (sweep,) = live.store.list_sweeps()
+    assert sweep.name == "from the form"
+    assert sweep.runs.total == 6
+    assert sweep.request["algorithms"][1] == {
+        "name": "hybrid-ddpg",
+        "weights": [{"w1": 0.1, "w2": 0.1}, {"w1": 1, "w2": 0}],
+    }
+    signed_in.get_by_role("link", name="Submit a like one").click()
+    expect(signed_in.get_by_label("Name")).to_have_value("from the form")
+    expect(signed_in.locator("#estimate")).to_contain_text("6 runs")
+
+
+def test_impossible_pairs_cannot_be_chosen(signed_in: Page) -> None:
+    signed_in.get_by_role("button", name="New sweep").click()
+    acrobot = signed_in.locator("[name=environment][value=Acrobot]")
+    signed_in.locator("[name=algorithm][value=mpc]").check()
+    expect(acrobot).to_be_disabled()
+    expect(signed_in.get_by_text("not with mpc: its reward has no gradient")).to_be_visible()
+    signed_in.locator("[name=algorithm][value=mpc]").uncheck()
+    acrobot.check()
+    expect(signed_in.locator("[name=algorithm][value=gd]")).to_be_disabled()
+
+
+def test_errors_stand_beside_their_fields(
+    signed_in: Page, live: LiveService, complaints: list[str]
+) -> None:
+    draft = {
+        "algorithms": [{"name": "hybrid-ddpg", "weights": {"w1": -1}, "config": {"noise": 7}}],
+        "environments": ["Pendulum"],
+        "seeds": 0,
+    }
+    signed_in.goto(f"{live.url}/?new={quote(json.dumps(draft))}")
+    seeds = signed_in.locator("[data-fault=seeds]")
+    expect(seeds.locator(".fault")).to_contain_text("greater than or equal to 1")
+    expect(seeds.get_by_role("textbox")).to_have_attribute("aria-invalid", "true")
+    weights = signed_in.locator(".learner .field").filter(has_text="Weights").first
+    expect(signed_in.locator(".learner .fault").first).to_contain_text("greater than or equal to 0")
+    seeds.get_by_role("textbox").fill("2")
+    signed_in.locator("#weights-hybrid-ddpg").fill("")
+    expect(weights).not_to_contain_text("greater")
+    noise = signed_in.locator("#setting-hybrid-ddpg-noise")
+    expect(noise.locator("xpath=..").locator(".fault")).to_contain_text("less than or equal to 1")
+    assert all("422" in complaint for complaint in complaints)
+    complaints.clear()
