@@ -15,6 +15,7 @@ from algorithms.catalogue import Algorithm
 from algorithms.learner import Learner
 from algorithms.measurement import DivergedError, Divergence, Measurement
 from algorithms.presets import preset
+from physics.compile_notice import noticed
 from physics.environment import Environment
 
 
@@ -39,7 +40,21 @@ def train(
     Raises:
         ValueError: for an unknown name or a bad value; it says what was expected.
         DivergedError: at the end, if any run diverged; the others were trained to their end.
+
+    The first use on a machine compiles kernels for some seconds, and says so on stderr.
     """
+    measurements = _measurements(algorithm, environment, seeds, weights, timesteps, config)
+    return noticed(measurements, f"{algorithm} on {environment}")
+
+
+def _measurements(
+    algorithm: str,
+    environment: str,
+    seeds: Sequence[int],
+    weights: tuple[float, float] | None,
+    timesteps: int | None,
+    config: Mapping[str, Any] | None,
+) -> Iterator[Measurement]:
     learner = build(algorithm, environment, seeds, weights, timesteps, config)
     divergences = []
     while not learner.finished:

@@ -6,7 +6,8 @@ import time
 
 from physics.audit import audit
 from physics.audit_record import COUNT, RegimeAudit, as_table, write_record
-from physics.catalogue import compile_kernels, make, names
+from physics.catalogue import make, names
+from physics.compile_notice import compile_notice
 
 
 def main() -> int:
@@ -29,7 +30,9 @@ def main() -> int:
 
 def compile_all(chosen: list[str]) -> None:
     """Compile task by task, saying so."""
-    for name, seconds in compile_kernels(chosen):
+    for name in chosen:
+        with compile_notice(name):
+            seconds = make(name).compile()
         say(f"kernels of {name}: {seconds:.2f} s")
 
 
@@ -37,8 +40,10 @@ def audit_all(chosen: list[str], count: int, keep: bool) -> int:
     """Audit task by task; return 1 if a derivative is further off than allowed."""
     rows: list[RegimeAudit] = []
     for name in chosen:
+        say(f"audit of {name} ...")
         start = time.perf_counter()
-        rows += audit(make(name), count)
+        with compile_notice(f"the audit of {name}"):
+            rows += audit(make(name), count)
         say(f"audit of {name}: {time.perf_counter() - start:.1f} s")
     say(as_table(rows))
     if keep:

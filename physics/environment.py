@@ -209,6 +209,18 @@ class Environment(ABC):
             state = self.initial_state(generator)[None] if ended else transition.next_state
         return states, actions
 
+    def contact_impulses(self, states: FloatArray, actions: FloatArray) -> list[FloatArray]:
+        """The impulses that contacts give during each row's step, for whoever draws them.
+
+        One array [k, 4] a row, `(x, y, px, py)`: where a contact is, in the drawing's metres, and
+        the impulse that it gives to the moving body (N s). By default a task has no contacts.
+
+        Raises:
+            ValueError, UnsolvedStepError: as `step`.
+        """
+        states, actions = self._checked(states, actions)
+        return [np.empty((0, 4)) for _ in states]
+
     def compile(self) -> float:
         """Compile every kernel, or load it from the cache; return the seconds it took.
 

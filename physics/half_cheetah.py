@@ -229,6 +229,21 @@ class HalfCheetah(Environment):
             raise self.failure(states[unsolved], actions[unsolved])
         return report
 
+    def contact_impulses(self, states: FloatArray, actions: FloatArray) -> list[FloatArray]:
+        """One for each sphere in contact, summed over the step, where the sphere ends.
+
+        Raises:
+            ValueError, UnsolvedStepError: as `step`.
+        """
+        report = self.contact_report(states, actions)
+        following = self.step(states, actions).next_state
+        centres = np.empty((len(following), SPHERES, 2))
+        sphere_centres(CHEETAH, np.empty(1, BODY), following, centres)
+        lowest = centres - [0.0, 1.0] * CHEETAH["radius"][0][:, None]
+        impulses = [report.tangential_impulse.sum(axis=1), report.normal_impulse.sum(axis=1)]
+        arrows = np.concatenate([lowest, np.stack(impulses, axis=-1)], axis=-1)
+        return [row[given] for row, given in zip(arrows, arrows[..., 3] > 0.0, strict=True)]
+
     def mass_matrix(self, q: FloatArray) -> FloatArray:
         """M(q) [b, 7, 7] for coordinates [b, 7], armature included (kg, kg m, kg m^2).
 

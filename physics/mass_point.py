@@ -83,10 +83,10 @@ class MassPoint(Environment):
     def draw(self, state: FloatArray) -> Drawing:
         """The point on its line, and the goal."""
         return Drawing(
-            view=(-1.0, -0.3, 1.0, 0.3),
+            view=(-2.7, -0.4, 1.7, 0.4),  # all that an episode can reach
             shapes=(
-                Capsule((-1.0, 0.0), (1.0, 0.0), 0.005, "ground"),
-                disc((0.0, 0.0), 0.03, "target"),
-                disc((float(state[0]), 0.0), 0.05, "body"),
+                Capsule((-2.7, 0.0), (1.7, 0.0), 0.01, "ground"),
+                Capsule((0.0, -0.15), (0.0, 0.15), GOAL_RADIUS, "target"),
+                disc((float(state[0]), 0.0), 0.06, "body"),
             ),
         )

@@ -28,6 +28,11 @@ LEFT_WALL = -1.2
 RIGHT_WALL = 0.6
 GOAL = 0.45
 
+# Of the drawing (the unit of x).
+HILL = 0.45
+CAR_RADIUS = 0.05
+MARGIN = 0.15
+
 
 @compiled
 def free_speed(x: float, v: float, a: float) -> float:
@@ -156,17 +161,21 @@ class MountainCar(Environment):
 
     def draw(self, state: FloatArray) -> Drawing:
         """The car on its hill, and the goal's flag."""
-
-        def ground(x: float) -> tuple[float, float]:
-            return x, 0.45 * math.sin(3.0 * x) + 0.55
-
-        hill = [ground(float(x)) for x in np.linspace(LEFT_WALL, RIGHT_WALL, 60)]
-        foot, car = ground(GOAL), ground(float(state[0]))
+        left, right = LEFT_WALL - MARGIN, RIGHT_WALL + MARGIN
+        hill = [_hill(float(x)) for x in np.linspace(left, right, 60)]
+        foot, (x, y) = _hill(GOAL), _hill(float(state[0]))
+        slope = 3.0 * HILL * math.cos(3.0 * x)
+        lift = CAR_RADIUS / math.hypot(1.0, slope)  # the car stands across the slope
         return Drawing(
-            view=(LEFT_WALL, -0.1, RIGHT_WALL, 1.3),
+            view=(left, -0.1, right, 1.3),
             shapes=(
-                Polygon(((LEFT_WALL, -0.1), *hill, (RIGHT_WALL, -0.1)), "ground"),
+                Polygon(((left, -0.1), *hill, (right, -0.1)), "ground"),
                 Capsule(foot, (foot[0], foot[1] + 0.2), 0.01, "target"),
-                disc((car[0], car[1] + 0.05), 0.05, "body"),
+                disc((x - lift * slope, y + lift), CAR_RADIUS, "body"),
             ),
         )
+
+
+def _hill(x: float) -> tuple[float, float]:
+    """The point of the hill at x, as drawn."""
+    return x, HILL * math.sin(3.0 * x) + 0.55

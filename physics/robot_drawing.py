@@ -27,5 +27,5 @@ def draw_robot(robot: Robot, x: float, centres: Floats) -> Drawing:
         for capsule in link.capsules
         for role in ("body" if link.parent is None else "link",)
     ]
-    view = (x - HALF_WIDTH, -0.2, x + HALF_WIDTH, 1.6)
+    view = (x - HALF_WIDTH, -0.2, x + HALF_WIDTH, 1.9)
     return Drawing(view=view, shapes=(ground, *marks, *capsules))

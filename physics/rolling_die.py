@@ -35,7 +35,7 @@ from physics.contact_trace import (
     report_of,
 )
 from physics.die_motion import MAX_CONTACTS, QUARTER_TURN, REACH, move
-from physics.drawing import Capsule, Drawing, box, disc
+from physics.drawing import Drawing, box, disc
 from physics.environment import (
     BoolArray,
     Environment,
@@ -69,7 +69,7 @@ SITUATIONS = np.array(
 )
 
 VIEW = (-1.0, -0.3, 8.0, 4.8)
-METRES_PER_NS = 0.2  # how long an impulse is drawn
+CLEARANCE = 0.8  # m from the die's centre to the edge of the view, which moves along to keep it
 
 
 @compiled
@@ -244,6 +244,16 @@ class RollingDie(Environment):
         trace_rows(states, actions, traces)
         return report_of(traces, DT)
 
+    def contact_impulses(self, states: FloatArray, actions: FloatArray) -> list[FloatArray]:
+        """One for each contact of the step; a lying die has none, its weight is held as it slides.
+
+        Raises:
+            ValueError: as `step`.
+        """
+        report = self.contact_report(states, actions)
+        arrows = np.concatenate([report.point, report.impulse], axis=-1)
+        return [row[given] for row, given in zip(arrows, report.impulse[..., 1] > 0.0, strict=True)]
+
     def sample(self, generator: np.random.Generator, count: int) -> tuple[FloatArray, FloatArray]:
         """Dice in the air, about to land on a corner or flat, settled on one, and lying."""
         situations = SITUATIONS[np.arange(count) % len(SITUATIONS)]
@@ -260,10 +270,12 @@ class RollingDie(Environment):
     def draw(self, state: FloatArray) -> Drawing:
         """The die, a pip in its corner 0, above the ground, and where it should come to lie."""
         x, y, theta = (float(number) for number in state[:3])
-        left, bottom, right, _ = VIEW
+        left, bottom, right, top = VIEW
+        shift = min(x - CLEARANCE - left, 0.0) + max(x + CLEARANCE - right, 0.0)
+        left, right = left + shift, right + shift
         pip = 0.6 * REACH * np.exp(1j * (theta + math.pi / 4))
         return Drawing(
-            VIEW,
+            (left, bottom, right, top),
             (
                 box(((left + right) / 2, bottom / 2), right - left, -bottom, "ground"),
                 box((TARGET_X, TARGET_Y), 1.0, 1.0, "target"),
@@ -271,17 +283,3 @@ class RollingDie(Environment):
                 disc((x + float(pip.real), y + float(pip.imag)), 0.08, "joint"),
             ),
         )
-
-    def draw_step(self, state: FloatArray, action: FloatArray) -> Drawing:
-        """The die after a step from a state [6] under an action [1], with the step's impulses."""
-        states, actions = state[None], action[None]
-        drawing = self.draw(self.step(states, actions).next_state[0])
-        report = self.contact_report(states, actions)
-        impulses = tuple(
-            Capsule((x, y), (x + METRES_PER_NS * pt, y + METRES_PER_NS * pn), 0.03, "link")
-            for (x, y), (pt, pn) in zip(
-                report.point[0].tolist(), report.impulse[0].tolist(), strict=True
-            )
-            if pn > 0.0
-        )
-        return Drawing(drawing.view, drawing.shapes + impulses)

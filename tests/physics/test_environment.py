@@ -10,6 +10,7 @@ from gymnasium.utils.env_checker import check_env
 from numpy.typing import NDArray
 
 import physics
+from physics.drawing import Polygon
 from physics.environment import Environment, FloatArray
 from physics.gymnasium_env import register
 from physics.randomness import generator
@@ -66,6 +67,17 @@ def test_a_derivative_changes_no_bit_of_the_step(
     linearized = environment.differentiate(states, actions).transition
     for one, other in zip(stepped, linearized, strict=True):
         np.testing.assert_array_equal(one, other)
+
+
+def test_impulses_of_contacts_are_arrows(
+    environment: Environment, states: FloatArray, actions: FloatArray
+) -> None:
+    arrows = environment.contact_impulses(states, actions)
+    assert len(arrows) == BATCH
+    assert all(row.ndim == 2 and row.shape[1] == 4 and np.isfinite(row).all() for row in arrows)
+    assert all((row[:, 3] > 0.0).all() for row in arrows)
+    has_contacts = environment.name in {"RollingDie", "HalfCheetah"}
+    assert any(len(row) for row in arrows) == has_contacts
 
 
 def test_the_input_is_left_alone(
@@ -150,15 +162,22 @@ def test_bad_input_is_refused(
     cases: list[tuple[Any, Any, str]] = [
         (states.tolist(), actions, rf"states must be a numpy array, float64 \[batch, {n}\]"),
         (states.astype(np.float32), actions, rf"states must be float64 .* not float32 \[64, {n}\]"),
-        (states[0], actions, r"states must be float64"),
+        (states.astype(np.int64), actions, rf"not int64 \[64, {n}\]"),
+        (states.astype(complex), actions, rf"not complex128 \[64, {n}\]"),
+        (states.astype(">f8"), actions, rf"not >f8 \[64, {n}\]"),
+        (torch.from_numpy(states), actions, r"states must be a numpy array, .* not Tensor"),
+        (states, torch.from_numpy(actions), r"actions must be a numpy array, .* not Tensor"),
+        (None, actions, r"states must be a numpy array, .* not NoneType"),
+        (states[0], actions, rf"states must be float64 .*, not float64 \[{n}\]"),
         (np.zeros((BATCH, n + 1)), actions, rf"not float64 \[64, {n + 1}\]"),
         (states, np.zeros((BATCH, environment.action_size + 1)), "actions must be float64"),
         (states, actions.astype(np.int64), "actions must be float64 .* not int64"),
         (states, actions[:5], "as many rows, not 64 and 5"),
         (not_a_number, actions, "must be finite, but row 3 has"),
         (states, infinite, "must be finite, but row 9 has"),
+        (states, -infinite, "must be finite, but row 9 has"),
     ]
-    for call in (environment.step, environment.differentiate):
+    for call in (environment.step, environment.differentiate, environment.contact_impulses):
         for bad_states, bad_actions, complaint in cases:
             with pytest.raises(ValueError, match=complaint):
                 call(bad_states, bad_actions)
@@ -228,6 +247,25 @@ def test_drawing(environment: Environment) -> None:
     assert image.shape == (round(120 * (top - bottom) / (right - left)), 120, 3)
     assert len(np.unique(image.reshape(-1, 3), axis=0)) > 2
     assert drawing.as_data()["shapes"][0]["shape"] in {"capsule", "polygon"}
+
+
+def test_the_view_holds_the_moving_body_all_episode_long(environment: Environment) -> None:
+    """The middle of everything that moves is in view, wherever random and extreme actions lead."""
+    random = generator(0, "in view")
+    states = environment.initial_states(range(8))
+    for step in range(environment.horizon):
+        if step % 20 == 0:
+            actions = random.choice([-1.0, 1.0], (8, environment.action_size))
+        transition = environment.step(states, actions)
+        states = np.where(transition.terminated[:, None], states, transition.next_state)
+        drawing = environment.draw(states[step % 8])
+        left, bottom, right, top = drawing.view
+        for shape in drawing.shapes:
+            if shape.role == "body":
+                points = shape.points if isinstance(shape, Polygon) else (shape.start, shape.end)
+                x, y = np.mean(points, axis=0)
+                assert left < x < right
+                assert bottom < y < top
 
 
 # Cart velocities and the like have no bound; Gymnasium's own tasks declare and warn the same.

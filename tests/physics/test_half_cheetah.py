@@ -111,6 +111,19 @@ def test_the_report_is_of_the_step() -> None:
     np.testing.assert_array_equal(unpacked, report.mode)
 
 
+def test_impulses_to_draw_carry_the_weight_and_stand_on_the_ground() -> None:
+    states = ENVIRONMENT.initial_states(range(20))
+    actions = np.zeros((20, 4))
+    for _ in range(400):
+        states = ENVIRONMENT.step(states, actions).next_state
+    for arrows in ENVIRONMENT.contact_impulses(states, actions):
+        assert len(arrows) >= 2
+        np.testing.assert_allclose(arrows[:, 1], 0.0, atol=1e-9)
+        np.testing.assert_allclose(arrows[:, 2:].sum(axis=0), [0.0, 14.0 * 9.81 * 0.05], atol=1e-9)
+    states[:, 1] += 1.0
+    assert all(len(arrows) == 0 for arrows in ENVIRONMENT.contact_impulses(states, actions))
+
+
 @pytest.mark.parametrize("filling", [np.nan, 1e300])
 def test_no_bit_comes_from_memory_that_was_there_before(filling: float) -> None:
     """The kernels' records are not cleared: what they read, they have written."""

@@ -6,7 +6,6 @@ import pytest
 import physics
 from physics.audit import audit
 from physics.audit_record import as_table
-from physics.drawing import Capsule
 from physics.environment import FloatArray, UnsolvedStepError
 from physics.impulse import REVERSE
 from physics.randomness import generator
@@ -173,14 +172,22 @@ def test_jacobians_over_2000_states_of_every_regime(environment: RollingDie) -> 
     assert sum(row.kinks for row in rows) < 0.01 * sum(row.states for row in rows)
 
 
-def test_a_step_is_drawn_with_its_impulses(environment: RollingDie) -> None:
-    state = np.array([0.0, 0.501, 0.0, 1.0, -1.0, 0.0])
-    bare = environment.draw(state)
-    drawing = environment.draw_step(state, np.zeros(1))
-    arrows = drawing.shapes[len(bare.shapes) :]
-    report = environment.contact_report(state[None], np.zeros((1, 1)))
-    assert len(arrows) == (report.impulse[0, :, 1] > 0).sum() == 2
-    assert all(isinstance(arrow, Capsule) and arrow.end[1] > arrow.start[1] for arrow in arrows)
+def test_impulses_to_draw_are_those_of_the_report(environment: RollingDie) -> None:
+    """A die that lands flat, one in the air, one that lies."""
+    states = np.array(
+        [
+            [0.0, 0.501, 0.0, 1.0, -1.0, 0.0],
+            [0.0, 3.0, 0.0, 1.0, 0.0, 0.0],
+            [0.0, 0.5, 0.0, 1.0, 0.0, 0.0],
+        ]
+    )
+    actions = np.zeros((3, 1))
+    landing, flying, lying = environment.contact_impulses(states, actions)
+    report = environment.contact_report(states, actions)
+    np.testing.assert_array_equal(landing[:, :2], report.point[0, :2])
+    np.testing.assert_array_equal(landing[:, 2:], report.impulse[0, :2])
+    assert (landing[:, 3] > 0.0).all()
+    assert flying.shape == lying.shape == (0, 4)
 
 
 def test_what_cannot_be_solved_is_refused(environment: RollingDie) -> None:

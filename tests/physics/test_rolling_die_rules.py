@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 
 import physics
+from physics import die_motion
+from physics.contact_trace import FIELDS, KIND
 from physics.environment import FloatArray
 from physics.impulse import PATHS
+from physics.planar_body import Body
 from physics.randomness import generator
 from physics.rolling_die import RollingDie
 from tests.physics import rolling_die_by_rule
@@ -137,3 +140,37 @@ def test_a_slow_touch_settles_and_a_faster_one_bounces(environment: RollingDie) 
         state = np.array([[0.0, stand + gap, HALF / 2, 0.0, v + 9.81 * 3e-4, 0.0]])
         report = environment.contact_report(state, np.zeros((1, 1)))
         assert report.kind[0, 0] == kind
+
+
+def test_after_its_last_touch_it_keeps_its_state(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rule 6, in the kernel's own Python code: 64 touches happen nowhere, so it is given one."""
+    kernel = die_motion.move.py_func  # type: ignore[attr-defined]
+    die = Body(0.0, 0.501, 0.0, 1.0, -1.0, 0.0, 0.02)
+    trace = np.zeros((die_motion.MAX_CONTACTS, FIELDS))
+    whole = kernel(die, None, trace, 0.0)
+    assert whole == die_motion.move(die, None, None, 0.0)
+    assert (trace[:, KIND] > 0.0).sum() == 2
+
+    monkeypatch.setattr(die_motion, "MAX_TOUCHES", 1)
+    trace[:] = 0.0
+    stopped = kernel(die, None, trace, 0.0)
+    (event,) = trace[trace[:, KIND] > 0.0]
+    moment = (math.sqrt(1.0 + 2.0 * 9.81 * 0.001) - 1.0) / 9.81
+    assert stopped.time == pytest.approx(0.02 - moment)
+    # Where it touched, with the velocity that the one impact gave it.
+    pt, pn = event[-2:]
+    expected = [moment, 0.5, 0.0, 1.0 + pt, pn - math.sqrt(1.0 + 2.0 * 9.81 * 0.001)]
+    assert list(stopped[:5]) == pytest.approx(expected)
+    assert stopped != whole
+
+
+def test_no_step_comes_near_64_touches(environment: RollingDie) -> None:
+    """Nearly flat dice at any speed, where touches are quickest to follow each other."""
+    random = generator(0, "many touches")
+    count = 20_000
+    tilt = random.choice([-1, 1], count) * 10.0 ** random.uniform(-12, -1, count)
+    low = 0.5 * (np.abs(np.sin(tilt)) + np.abs(np.cos(tilt)))
+    vx, vy, omega = random.choice([-1, 1], (3, count)) * 10.0 ** random.uniform(-3, 1.5, (3, count))
+    states = np.stack([0 * tilt, low, tilt, vx, -np.abs(vy), omega], axis=1)
+    kinds = environment.contact_report(states, random.uniform(-1, 1, (count, 1))).kind
+    assert 5 <= kinds.shape[1] <= 20

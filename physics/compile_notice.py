@@ -1,0 +1,72 @@
+"""Compile notice: whoever waits for kernels to be compiled is told so, on stderr.
+
+    compiling kernels for Pendulum (once on this machine) ........ 2.1 s
+
+One dot a kernel. Where all kernels come from the cache, nothing is written.
+"""
+
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, TextIO, TypeVar
+
+from numba.core import event
+
+T = TypeVar("T")
+
+_events: Any = event  # without types
+_COMPILING = "numba:compile"  # numba's event; loading from the cache is none
+
+
+class _Notice(event.Listener):
+    """The line of one wait: begun with the first kernel, a dot for each one done."""
+
+    def __init__(self, purpose: str, stream: TextIO) -> None:
+        self.purpose = purpose
+        self.stream = stream
+        self.started: float | None = None
+
+    def on_start(self, event: Any) -> None:
+        """Begin the line, if this is the first kernel."""
+        del event
+        if self.started is None:
+            self.started = time.perf_counter()
+            self._write(f"compiling kernels for {self.purpose} (once on this machine) ")
+
+    def on_end(self, event: Any) -> None:
+        """Add the kernel's dot."""
+        del event
+        self._write(".")
+
+    def close(self) -> None:
+        """End the line, if there is one."""
+        if self.started is not None:
+            self._write(f" {time.perf_counter() - self.started:.1f} s\n")
+
+    def _write(self, text: str) -> None:
+        self.stream.write(text)
+        self.stream.flush()
+
+
+@contextmanager
+def compile_notice(purpose: str) -> Iterator[None]:
+    """Say that kernels are being compiled, and what for, whenever any are meanwhile."""
+    notice = _Notice(purpose, sys.stderr)
+    _events.register(_COMPILING, notice)
+    try:
+        yield
+    finally:
+        _events.unregister(_COMPILING, notice)
+        notice.close()
+
+
+def noticed(items: Iterator[T], purpose: str) -> Iterator[T]:
+    """The same items; what is compiled while the next one is made is told of."""
+    end = object()
+    while True:
+        with compile_notice(purpose):
+            item = next(items, end)
+        if item is end:
+            return
+        yield item  # type: ignore[misc]  # not the end
