@@ -1,6 +1,6 @@
 /** How often a run was claimed, and how each attempt ended: the error, the worker's last words. */
 import { element, keyed, setText } from "./element.js";
-import { duration } from "./format.js";
+import { count, duration } from "./format.js";
 import { statusMark, timeElement } from "./sweep_text.js";
 
 /** @returns (attempts) => void; shows them in the list, the latest first */
@@ -12,6 +12,7 @@ export function attemptList(list) {
 function entry(first) {
   const outcome = element("span");
   const took = element("span", { class: "muted" });
+  const note = element("p", { class: "muted" });
   const error = block("Error");
   const log = block("End of the log");
   const node = element(
@@ -25,13 +26,16 @@ function entry(first) {
       timeElement(first.started_at),
       took,
     ),
+    note,
     error.node,
     log.node,
   );
   const update = (attempt) => {
     outcome.replaceChildren(statusMark(attempt.outcome), attempt.outcome);
     const seconds = (new Date(attempt.ended_at) - new Date(attempt.started_at)) / 1000;
-    setText(took, attempt.ended_at === null ? "" : `, took ${duration(seconds)}`);
+    const resumed = attempt.resumed_timestep > 0 ? `, taken up at ${count(attempt.resumed_timestep)}` : "";
+    setText(took, (attempt.ended_at === null ? "" : `, took ${duration(seconds)}`) + resumed);
+    setText(note, attempt.note ?? "");
     error.update(attempt.error);
     log.update(attempt.log_tail);
   };

@@ -11,14 +11,20 @@ import { Refresh } from "./refresh.js";
 import { RunCharts } from "./run_charts.js";
 import { canCancel, cancelRun, canRetry, learnerText, retryRun, statusText, tookText } from "./run_text.js";
 import { statusMark, timeElement } from "./sweep_text.js";
-import { CURVE_FIELDS, View } from "./view.js";
+import { CURVE_FIELDS, oneOf, View, whole } from "./view.js";
+import { Viewer } from "./viewer.js";
 
 const id = document.getElementById("run").dataset.run;
 const at = (name) => document.getElementById(name);
 
-const view = new View(CURVE_FIELDS);
+const view = new View({
+  ...CURVE_FIELDS,
+  step: whole, // of the episode in the viewer
+  speed: oneOf("1", "0.25", "0.5", "2", "4"),
+});
 new Controls(at("controls"), view);
 const charts = new RunCharts(at("charts"), view);
+const viewer = new Viewer(view);
 const showAttempts = attemptList(at("attempts"));
 const onError = (error) => connection.failed(error);
 const refreshRun = new Refresh(loadRun, { interval: 1000, onError });
@@ -53,6 +59,7 @@ async function loadRun(signal) {
   const attempts = await get(`/runs/${id}/attempts`, {}, signal);
   showAttempts(attempts);
   at("no-attempts").hidden = attempts.length > 0;
+  await viewer.load(run, signal);
 }
 
 async function loadCurves(signal) {
@@ -90,7 +97,18 @@ function showRun() {
   const { algorithm, environment, environment_version: version, seed, weights, config } = run;
   const task = `${environment}, version ${version}`;
   showFacts(at("config"), { algorithm, environment: task, seed, ...weights, ...config });
+  showCheckpoints();
   showFacts(at("fingerprint"), run.fingerprint ?? { "not reported yet": "" });
+}
+
+/** Where it could be taken up again, where the service says so. */
+function showCheckpoints() {
+  const { checkpoint_timestep: newest, resumed_timestep: resumed } = run;
+  at("checkpoints").hidden = newest === undefined;
+  showFacts(at("checkpoint-list"), {
+    "newest at timestep": newest > 0 ? count(newest) : "none",
+    "taken up at timestep": resumed > 0 ? count(resumed) : "from the start",
+  });
 }
 
 /** "running, attempt 2, submitted 3 min ago". */

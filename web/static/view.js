@@ -27,6 +27,11 @@ export const share = {
   parse: ([text]) => (Number(text) > 0 && Number(text) < 1 ? Number(text) : null),
   format: (value) => [String(value)],
 };
+export const whole = {
+  initial: 0,
+  parse: ([text]) => (/^\d{1,9}$/.test(text) ? Number(text) : null),
+  format: (value) => [String(value)],
+};
 export const list = {
   initial: [],
   parse: (texts) => texts,
