@@ -37,9 +37,8 @@ $(VENV)/installed-peers: $(VENV)/installed-dev
 	@echo "== Installing the peers of the benchmarks"
 	@$(PIP) --editable '.[dev,peers]'
 	@# Alone: gymnax asks for an older Gymnasium, flax for checkpoints and another event loop, and
-	@# neither needs them here. nimblephysics has wheels for few machines; the benchmark says so.
+	@# neither needs them here.
 	@$(PIP) --no-deps 'gymnax~=1.0.1' 'flax~=0.12.8'
-	@$(PIP) --no-deps --only-binary :all: 'nimblephysics~=0.10.52' || true
 	@touch $@
 
 demo: $(VENV)/installed

@@ -6,7 +6,7 @@ to rest costs next to nothing). Gymnasium's are rollouts over as many environmen
 resets; gymnax's are whole rollouts in one jitted scan. All take turns in short rounds on one core,
 and the best round of each counts: other programs can only slow one down.
 
-HalfCheetah has a benchmark of its own, beside MuJoCo and nimblephysics: benchmarks/half_cheetah.py.
+HalfCheetah has a benchmark of its own, beside MuJoCo: benchmarks/half_cheetah.py.
 """
 
 import argparse
@@ -80,7 +80,7 @@ def our_step(environment: Environment, batch: int, with_derivatives: bool) -> Ca
             transition = environment.step(state, actions[elapsed % 64])
         state = transition.next_state
         if np.count_nonzero(transition.terminated):
-            state[transition.terminated] = starts[transition.terminated]
+            np.copyto(state, starts, where=transition.terminated[:, None])
 
     return step
 
