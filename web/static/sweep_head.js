@@ -82,7 +82,7 @@ export class SweepHead {
 /** Offer what the service offers and what makes sense now. */
 function showActions(sweep) {
   at("cancel").hidden = !isActive(sweep);
-  at("pause").hidden = !("pause" in sweep.links) || !isActive(sweep) || isPaused(sweep);
+  at("pause").hidden = !("pause" in sweep.links) || sweep.runs.queued === 0 || isPaused(sweep);
   at("resume").hidden = !("resume" in sweep.links) || !isPaused(sweep);
   at("retry").hidden = !("retry" in sweep.links) || sweep.runs.failed === 0;
 }
