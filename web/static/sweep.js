@@ -59,9 +59,7 @@ const stream = follow(address(`/sweeps/${id}/events`), (kind) => {
   refreshSweep.request();
   if (kind === "run") return;
   refreshCurves.request();
-  refreshMetrics.request();
-  refreshScores.request();
-  refreshStatistics.request();
+  if (comparison !== null) requestRest();
 });
 
 view.addEventListener("change", () => {
@@ -93,8 +91,16 @@ function question() {
   };
 }
 
+/** What lies below the curves, and waits for them: the service would answer all at once, slower. */
+function requestRest() {
+  refreshMetrics.request();
+  refreshScores.request();
+  refreshStatistics.request();
+}
+
 async function loadCurves(signal) {
   const asked = question();
+  const isFirst = comparison === null;
   at("curves").setAttribute("aria-busy", "true");
   comparison = await get(`/sweeps/${id}/curves`, asked, signal);
   answered = JSON.stringify(asked);
@@ -102,6 +108,7 @@ async function loadCurves(signal) {
   at("loading").hidden = true;
   draw();
   connection.fresh();
+  if (isFirst) requestRest();
 }
 
 /** What there is to show: learners differ in their diagnostics, and start one after the other. */
