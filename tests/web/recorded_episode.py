@@ -7,7 +7,6 @@ from playwright.sync_api import Page, Route
 
 import physics
 from physics.film import film
-from physics.rolling_die import RollingDie
 from workers.critic_surface import best_values
 
 
@@ -19,7 +18,7 @@ def episode(environment: str, steps: int = 120) -> dict[str, Any]:
     for k in range(steps):
         action = np.full((1, task.action_size), 0.7 * np.sin(0.05 * k))
         transition = task.step(states[-1], action)
-        contacts.append(impulses(task, states[-1], action))
+        contacts.append(task.contact_impulses(states[-1], action)[0].tolist())
         states.append(transition.next_state)
         actions.append(action[0].tolist())
         rewards.append(float(transition.reward[0]))
@@ -36,15 +35,6 @@ def episode(environment: str, steps: int = 120) -> dict[str, Any]:
         **film([task.draw(state[0]) for state in states]),
     }
     return {**answer, "surface": surface()} if environment == "MassPoint" else answer
-
-
-def impulses(task: Any, states: Any, actions: Any) -> list[list[float]]:
-    """The impulses of one step: x, y, px, py each."""
-    if not isinstance(task, RollingDie):
-        return []
-    report = task.contact_report(states, actions)
-    rows = np.concatenate([report.point[0], report.impulse[0]], axis=1)
-    return [row.tolist() for row in rows if row[3] > 0.0]
 
 
 def surface() -> dict[str, Any]:
