@@ -85,6 +85,11 @@ def planned(horizon: int, timesteps: int, iterations: int = 1) -> Preset:
 PRESETS: dict[tuple[str, str], Preset] = {
     ("ddpg", "Pendulum"): Preset(timesteps=20_000, config={"noise": 0.4}),
     ("hybrid-ddpg", "Pendulum"): Preset((1.0, 0.0), timesteps=20_000, config={"noise": 0.4}),
+    ("hybrid-ddpg-cosine", "Pendulum"): Preset(
+        (0.01, 0.01), timesteps=20_000, config={"noise": 0.4}
+    ),
+    ("sac", "Pendulum"): Preset(timesteps=20_000, config={"reward_scale": 3.0}),
+    ("hybrid-sac", "Pendulum"): Preset((0.1, 0.1), timesteps=20_000, config={"reward_scale": 3.0}),
     ("ddpg", "MassPoint"): Preset(timesteps=12_000),
     ("hybrid-ddpg", "MassPoint"): Preset((1.0, 0.0), timesteps=12_000),
     ("gd", "MassPoint"): Preset(timesteps=12_000, config={"rate": 0.003}),

@@ -39,3 +39,12 @@ def test_hybrid_has_the_larger_area_and_ddpg_solves_the_task() -> None:
     )
     assert interval.low > 0
     assert ddpg[:, -3:].mean() > 0.8
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1200)
+@pytest.mark.parametrize("algorithm", ["hybrid-ddpg-cosine", "sac", "hybrid-sac"])
+def test_the_other_off_policy_learners_solve_the_task(algorithm: str) -> None:
+    scores = normalised(algorithm)
+    print(f"{algorithm} area {scores.mean():.3f}, end {scores[:, -3:].mean():.3f}")  # noqa: T201
+    assert scores[:, -3:].mean() > 0.8
