@@ -3,7 +3,8 @@
 const GROUPS = [
   ["Return", (name) => ["return_mean", "return_history"].includes(name)],
   ["Direction of the critic’s gradient", (name) => name.includes("cosine")],
-  ["Norm of the critic’s gradient", (name) => name.includes("norm") || name.includes("ratio")],
+  ["Length of the critic’s gradient", (name) => name.includes("ratio")],
+  ["Gradient norms", (name) => name.includes("norm") && !name.includes("ratio")],
   ["Losses", (name) => name.includes("loss")],
 ];
 const X_COLUMNS = ["timestep", "updates", "jacobians", "seconds"];
@@ -14,8 +15,8 @@ const MEANINGS = {
     "return_mean: undiscounted return of one evaluation episode; return_history: mean of the latest 100.",
   "Direction of the critic’s gradient":
     "Cosine between the critic’s gradient and the target that the simulator’s derivatives give: 1 is the same direction, 0 at right angles.",
-  "Norm of the critic’s gradient":
-    "Length of the critic’s gradient, and beside its target’s as a ratio: 1 is the same length.",
+  "Length of the critic’s gradient": "Over that of its target: 1 is the same length.",
+  "Gradient norms": "Of the losses in the networks’ parameters, and of the targets.",
   "Losses": "As the updates minimise them, mean since the measurement before.",
 };
 
