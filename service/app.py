@@ -27,6 +27,7 @@ from service.routes import (
     health,
     measurements,
     metrics,
+    moves,
     pages,
     runs,
     scores,
@@ -40,7 +41,17 @@ from service.side_process import SideProcess
 from service.store.store import Store
 
 PREFIX = "/api/v1"
-RESOURCES = (sweeps, runs, measurements, curves, scores, figures, events, catalogue)
+RESOURCES = (
+    sweeps,
+    runs,
+    moves,
+    measurements,
+    curves,
+    scores,
+    figures,
+    events,
+    catalogue,
+)
 
 
 @asynccontextmanager

@@ -1,7 +1,8 @@
 """A run of a sweep, as the store knows it, and the states it goes through.
 
-queued -> running -> succeeded | failed | diverged | cancelled
-   ^---------'  (its worker was lost, or its lease expired)
+paused <-> queued -> running -> succeeded | failed | diverged | cancelled
+              ^---------'  (its worker was lost, or its lease expired)
+              ^--------------------------'  (somebody asked for a retry)
 """
 
 from collections.abc import Mapping
@@ -13,10 +14,12 @@ from workers.run_spec import RunSpec
 
 
 class RunStatus(StrEnum):
-    """Where a run stands. Final states never change."""
+    """Where a run stands. Final states never change, but that users may retry what failed."""
 
     QUEUED = "queued"
     """Waits for a worker. Also after a worker was lost, with the reason and a later start."""
+    PAUSED = "paused"
+    """Waits for somebody to resume it or its sweep."""
     RUNNING = "running"
     """Claimed: one worker holds its lease under the current attempt."""
     SUCCEEDED = "succeeded"
@@ -34,7 +37,7 @@ class RunStatus(StrEnum):
         return self not in ACTIVE
 
 
-ACTIVE = frozenset({RunStatus.QUEUED, RunStatus.RUNNING})
+ACTIVE = frozenset({RunStatus.QUEUED, RunStatus.PAUSED, RunStatus.RUNNING})
 FINAL = frozenset(RunStatus) - ACTIVE
 
 

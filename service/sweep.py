@@ -13,6 +13,8 @@ class SweepStatus(StrEnum):
     """No run has been claimed yet."""
     RUNNING = "running"
     """Some run is not final."""
+    PAUSED = "paused"
+    """None of its runs is started; those that are running go on to their end."""
     FINISHED = "finished"
     """Every run is final."""
     CANCELLED = "cancelled"
@@ -24,6 +26,7 @@ class RunCounts:
     """How many runs of a sweep stand where."""
 
     queued: int = 0
+    paused: int = 0
     running: int = 0
     succeeded: int = 0
     failed: int = 0
@@ -38,7 +41,7 @@ class RunCounts:
     @property
     def active(self) -> int:
         """Runs that have not ended."""
-        return self.queued + self.running
+        return self.queued + self.paused + self.running
 
 
 @dataclass(frozen=True)
@@ -47,7 +50,7 @@ class Sweep:
 
     request      what was posted, as it was
     progress     share of the asked timesteps that is done; a run that ended counts whole
-    eta_seconds  time left at the pace since the first claim; None while there is no pace
+    eta_seconds  time left at the pace since the first claim; None while there is no pace or a pause
     """
 
     id: str

@@ -14,7 +14,7 @@ from service.client import Client
 
 Json = dict[str, Any]
 
-STATUSES = ("queued", "running", "succeeded", "failed", "diverged", "cancelled")
+STATUSES = ("queued", "paused", "running", "succeeded", "failed", "diverged", "cancelled")
 
 
 def follow(client: Client, sweep_id: str, console: Console) -> int:

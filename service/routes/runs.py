@@ -1,20 +1,17 @@
 """Runs: those of a sweep, one of them, its attempts, cancelling it."""
 
-from http import HTTPStatus
 from typing import Annotated
 
 import numpy as np
 from fastapi import APIRouter, Query, Request, Response
 from pydantic import Field
 
-from service.problems import ImpossibleMove
 from service.routes.context import TheRun, TheStore, TheSweep
 from service.run import RunStatus
 from service.schemas.number import numbers
 from service.schemas.page import Page, PageQuery, page_of, read_cursor
 from service.schemas.run_answer import AttemptAnswer, ListedRunAnswer, RunAnswer
 from service.schemas.sweep_request import Name
-from service.store.refusal import ImpossibleMoveError
 from service.store.run_order import By, RunOrder
 
 router = APIRouter(tags=["runs"])
@@ -69,12 +66,3 @@ def get_run(run: TheRun) -> RunAnswer:
 def list_attempts(run: TheRun, store: TheStore) -> list[AttemptAnswer]:
     """List how often a run was claimed, and how each attempt ended, the first one first."""
     return [AttemptAnswer.of(attempt) for attempt in store.attempts(run.id)]
-
-
-@router.post("/runs/{run_id}/cancel", status_code=HTTPStatus.ACCEPTED)
-def cancel_run(run: TheRun, store: TheStore) -> RunAnswer:
-    """Cancel a run. Again is no error; one that ended otherwise answers 409."""
-    try:
-        return RunAnswer.of(store.cancel_run(run.id))
-    except ImpossibleMoveError as refusal:
-        raise ImpossibleMove(str(refusal)) from refusal

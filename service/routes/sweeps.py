@@ -1,21 +1,31 @@
-"""Sweeps: submitting one, listing them, looking at one, cancelling it."""
+"""Sweeps: submitting one, listing them, looking at one."""
 
 from http import HTTPStatus
 from typing import Annotated
 
-from fastapi import APIRouter, Query, Request, Response
+from fastapi import APIRouter, Header, Query, Request, Response
 from fastapi.responses import JSONResponse
 
 from service.cost import cell_costs
-from service.problems import ImpossibleMove
+from service.problems import Fault, InvalidRequest
 from service.routes.context import TheDispatcher, TheStore, TheSweep
 from service.schemas.page import Page, PageQuery, page_of, read_cursor
 from service.schemas.sweep_answer import DryRunAnswer, SweepAnswer
 from service.schemas.sweep_request import SweepRequest
-from service.store.refusal import ImpossibleMoveError
+from service.store.refusal import SubmissionKeyReusedError
 from service.submission.plan import plan
 
 router = APIRouter(prefix="/sweeps", tags=["sweeps"])
+
+SubmissionKey = Annotated[
+    str | None,
+    Header(
+        min_length=1,
+        max_length=255,
+        pattern=r"^[\x20-\x7e]+$",
+        description="A text of the client's own, new for every sweep: makes a retry safe.",
+    ),
+]
 
 
 @router.post(
@@ -32,21 +42,30 @@ def submit_sweep(
     dry_run: Annotated[
         bool, Query(description="Only say what would be queued, and about what it would cost.")
     ] = False,
+    idempotency_key: SubmissionKey = None,
 ) -> SweepAnswer | JSONResponse:
-    """Queue a sweep: all of its runs in one transaction, or none."""
+    """Queue a sweep: all of its runs in one transaction, or none.
+
+    Submitted again under the same `Idempotency-Key`, it is the same sweep, for as long as that is
+    kept; the key with another request is refused.
+    """
     planned = plan(request)
     if dry_run:
         past = store.past_costs(planned.algorithms, planned.environment_versions)
         costs = cell_costs(planned.cells, len(planned.seeds), past)
         answer = DryRunAnswer.of(planned, costs, len(dispatcher.workers))
         return JSONResponse(answer.model_dump(mode="json"))
-    sweep = store.create_sweep(
-        request.name,
-        request.priority,
-        request.model_dump(mode="json", exclude_unset=True),
-        planned.specs(),
-        environment_versions=planned.environment_versions,
-    )
+    try:
+        sweep = store.create_sweep(
+            request.name,
+            request.priority,
+            request.model_dump(mode="json", exclude_unset=True),
+            planned.specs(),
+            environment_versions=planned.environment_versions,
+            submission_key=idempotency_key,
+        )
+    except SubmissionKeyReusedError as refusal:
+        raise InvalidRequest([Fault("Idempotency-Key", str(refusal))]) from refusal
     response.headers["Location"] = f"/api/v1/sweeps/{sweep.id}"
     return SweepAnswer.of(sweep)
 
@@ -64,12 +83,3 @@ def list_sweeps(
 def get_sweep(sweep: TheSweep) -> SweepAnswer:
     """Show a sweep: its status, counts of runs, progress."""
     return SweepAnswer.of(sweep)
-
-
-@router.post("/{sweep_id}/cancel", status_code=HTTPStatus.ACCEPTED)
-def cancel_sweep(sweep: TheSweep, store: TheStore) -> SweepAnswer:
-    """Cancel what has not ended. Again is no error; a finished sweep answers 409."""
-    try:
-        return SweepAnswer.of(store.cancel_sweep(sweep.id))
-    except ImpossibleMoveError as refusal:
-        raise ImpossibleMove(str(refusal)) from refusal

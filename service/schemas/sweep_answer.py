@@ -30,6 +30,7 @@ class RunCountsAnswer(BaseModel):
 
     total: int
     queued: int
+    paused: int
     running: int
     succeeded: int
     failed: int
@@ -119,6 +120,7 @@ class SweepAnswer(BaseModel):
                     "runs": {
                         "total": 48,
                         "queued": 16,
+                        "paused": 0,
                         "running": 32,
                         "succeeded": 0,
                         "failed": 0,

@@ -134,10 +134,9 @@ def held_runs(connection: Connection, claim: Claim) -> dict[str, Row[Any]]:
 
 
 def held_rows() -> Select[Any]:
-    """Select runs with their sweep's name."""
-    return select(runs, sweeps.c.id.label("sweep_id")).join(
-        sweeps, sweeps.c.number == runs.c.sweep_number
-    )
+    """Select runs with their sweep's name and whether it is paused."""
+    of_sweep = (sweeps.c.id.label("sweep_id"), sweeps.c.paused_at)
+    return select(runs, *of_sweep).join(sweeps, sweeps.c.number == runs.c.sweep_number)
 
 
 def has_expired(connection: Connection) -> bool:

@@ -74,7 +74,8 @@ def _queue_again(
     if row.is_cancelling:
         end(connection, row, RunStatus.CANCELLED, STOPPED, log_tail=log_tail)
         return
-    _move(connection, row, RunStatus.QUEUED, reason, row.timestep)
+    waiting = RunStatus.QUEUED if row.paused_at is None else RunStatus.PAUSED
+    _move(connection, row, waiting, reason, row.timestep)
     connection.execute(
         update(runs)
         .where(runs.c.number == row.number)

@@ -13,7 +13,7 @@ Entry = Mapping[str, Any]
 
 
 def sweep_changed(sweep_number: int, sweep_id: str, change: str) -> Entry:
-    """Return the entry for a sweep that was created or cancelled."""
+    """Return the entry for a sweep that was created, cancelled, paused, resumed or retried."""
     payload = {"sweep_id": sweep_id, "change": change}
     return {"sweep_number": sweep_number, "kind": "sweep", "payload": payload}
 

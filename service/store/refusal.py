@@ -9,6 +9,10 @@ class ImpossibleMoveError(ValueError):
     """The run or sweep is in a state that this move does not start from; the text says which."""
 
 
+class SubmissionKeyReusedError(ValueError):
+    """Another request was submitted under this key; the text says which sweep."""
+
+
 class UnsafeSQLiteError(RuntimeError):
     """This SQLite can corrupt the database."""
 

@@ -1,15 +1,13 @@
-"""Runs: reading them, and cancelling."""
+"""Runs: reading them."""
 
 from typing import Any
 
-from sqlalchemy import ColumnElement, Connection, Row, Select, false, func, select, update
+from sqlalchemy import ColumnElement, Connection, Row, Select, false, func, select
 
 from service.run import Attempt, Run, RunStatus
-from service.store import events
-from service.store.column_types import now
-from service.store.refusal import ImpossibleMoveError, NotFoundError
+from service.store.refusal import NotFoundError
 from service.store.run_order import RunOrder
-from service.store.tables import attempts, is_queued, is_running, runs, sweeps
+from service.store.tables import attempts, is_running, runs, sweeps
 from workers.run_spec import RunSpec
 
 
@@ -90,28 +88,6 @@ def count_attempts(connection: Connection) -> dict[str, int]:
     return {outcome: number for outcome, number in connection.execute(query)}  # noqa: C416
 
 
-def cancel(connection: Connection, run_id: str) -> Run:
-    """Cancel a run: at once while it is queued, by its worker while it runs.
-
-    Again is no error. Raises NotFoundError, or ImpossibleMoveError when it ended otherwise.
-    """
-    run = get(connection, run_id)
-    if run.status is RunStatus.CANCELLED or run.is_cancelling:
-        return run
-    if run.status.is_final:
-        raise ImpossibleMoveError(f"run {run_id} has already {_ENDED[run.status]}")
-    number = connection.scalars(_numbers().where(named(run_id))).one()
-    if run.status is RunStatus.QUEUED:
-        end_queued(connection, runs.c.number == number, "cancelled before it started")
-    else:
-        connection.execute(
-            update(runs)
-            .where(runs.c.number == number)
-            .values(is_cancelling=True, reason="cancelling: its worker has been told to stop")
-        )
-    return get(connection, run_id)
-
-
 def cancelling(connection: Connection) -> set[str]:
     """Return the running runs whose workers are to stop them."""
     query = (
@@ -120,33 +96,6 @@ def cancelling(connection: Connection) -> set[str]:
         .where(runs.c.is_cancelling, is_running)
     )
     return {run_name(sweep_id, ordinal) for sweep_id, ordinal in connection.execute(query)}
-
-
-def end_queued(connection: Connection, condition: ColumnElement[bool], reason: str) -> None:
-    """Cancel the queued runs that meet the condition."""
-    ended = connection.execute(
-        update(runs)
-        .where(condition, is_queued)
-        .values(status=RunStatus.CANCELLED, reason=reason, finished_at=now())
-        .returning(runs.c.sweep_number, runs.c.ordinal, runs.c.attempt, runs.c.timestep)
-    ).all()
-    of_sweeps = sweeps.c.number.in_({row.sweep_number for row in ended})
-    named_sweeps = connection.execute(select(sweeps.c.number, sweeps.c.id).where(of_sweeps))
-    names = {row.number: row.id for row in named_sweeps}
-    events.append(
-        connection,
-        [
-            events.run_changed(
-                row.sweep_number,
-                run_name(names[row.sweep_number], row.ordinal),
-                status=RunStatus.CANCELLED,
-                reason=reason,
-                attempt=row.attempt,
-                timestep=row.timestep,
-            )
-            for row in sorted(ended, key=lambda row: row.ordinal)
-        ],
-    )
 
 
 def run_name(sweep_id: str, ordinal: int) -> str:
@@ -163,10 +112,6 @@ def _ordinal(run_id: str) -> int:
     digits = run_id.partition("-")[2]
     is_canonical = digits.isascii() and digits.isdigit() and digits == str(int(digits[:10]))
     return int(digits) if is_canonical and int(digits) < 2**31 else -1
-
-
-def _numbers() -> Select[tuple[int]]:
-    return select(runs.c.number).join(sweeps, sweeps.c.number == runs.c.sweep_number)
 
 
 def _select() -> Select[Any]:
@@ -203,10 +148,3 @@ def spec_of(row: Row[Any]) -> RunSpec:
         timesteps=row.timesteps,
         config=row.config,
     )
-
-
-_ENDED = {
-    RunStatus.SUCCEEDED: "succeeded",
-    RunStatus.FAILED: "failed",
-    RunStatus.DIVERGED: "diverged",
-}

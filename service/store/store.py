@@ -2,10 +2,10 @@
 
 Promises. Safe from any thread. Every method is one transaction: all of it happens or nothing, and
 what a method returned has survived a power cut. A crash leaves the last committed state. Final
-states never change, and a write under a claim that was given up changes nothing. Every change
-appends its event in the same transaction. Floats come back as they went in (see
-`column_types.Exact`), NaN and infinities too. A database that restarts is waited for (`outage`):
-what was under way then happens once, and late.
+states never change, but that users may retry what failed, and a write under a claim that was given
+up changes nothing. Every change appends its event in the same transaction. Floats come back as they
+went in (see `column_types.Exact`), NaN and infinities too. A database that restarts is waited for
+(`outage`): what was under way then happens once, and late.
 
 One store writes to a database: a second is refused (on SQLite by the lock on the data directory).
 """
@@ -30,7 +30,9 @@ from service.store import (
     measurements,
     random_returns,
     records,
+    run_moves,
     runs,
+    sweep_moves,
     sweeps,
 )
 from service.store.connection import connect
@@ -82,8 +84,13 @@ class Store:
         specs: Sequence[RunSpec],
         *,
         environment_versions: Mapping[str, int],
+        submission_key: str | None = None,
     ) -> Sweep:
-        """Write a sweep and its runs; the versions are those of the specs' environments."""
+        """Write a sweep and its runs; the versions are those of the specs' environments.
+
+        Under a submission key that was used before, return the sweep that was made then. Raises
+        SubmissionKeyReusedError where that one was another.
+        """
         if not specs:
             raise ValueError("a sweep has at least one run, got none")
         return self._writer.write(
@@ -94,6 +101,7 @@ class Store:
                 request=request,
                 specs=specs,
                 environment_versions=environment_versions,
+                submission_key=submission_key,
             )
         )
 
@@ -107,7 +115,19 @@ class Store:
 
     def cancel_sweep(self, sweep_id: str) -> Sweep:
         """Cancel what has not ended. Raises NotFoundError, ImpossibleMoveError."""
-        return self._writer.write(lambda c: sweeps.cancel(c, sweep_id))
+        return self._writer.write(lambda c: sweep_moves.cancel(c, sweep_id))
+
+    def pause_sweep(self, sweep_id: str) -> Sweep:
+        """Start none of its runs. Raises NotFoundError, ImpossibleMoveError."""
+        return self._writer.write(lambda c: sweep_moves.pause(c, sweep_id))
+
+    def resume_sweep(self, sweep_id: str) -> Sweep:
+        """Queue its paused runs. Raises NotFoundError, ImpossibleMoveError."""
+        return self._writer.write(lambda c: sweep_moves.resume(c, sweep_id))
+
+    def retry_sweep(self, sweep_id: str) -> Sweep:
+        """Queue its failed runs again. Raises NotFoundError, ImpossibleMoveError."""
+        return self._writer.write(lambda c: sweep_moves.retry(c, sweep_id))
 
     def find_run(self, run_id: str) -> Run | None:
         """Return one run, or None."""
@@ -140,7 +160,19 @@ class Store:
 
     def cancel_run(self, run_id: str) -> Run:
         """Cancel a run. Raises NotFoundError, ImpossibleMoveError."""
-        return self._writer.write(lambda c: runs.cancel(c, run_id))
+        return self._writer.write(lambda c: run_moves.cancel(c, run_id))
+
+    def pause_run(self, run_id: str) -> Run:
+        """Keep a queued run from being started. Raises NotFoundError, ImpossibleMoveError."""
+        return self._writer.write(lambda c: run_moves.pause(c, run_id))
+
+    def resume_run(self, run_id: str) -> Run:
+        """Queue a paused run. Raises NotFoundError, ImpossibleMoveError."""
+        return self._writer.write(lambda c: run_moves.resume(c, run_id))
+
+    def retry_run(self, run_id: str) -> Run:
+        """Queue a failed run again. Raises NotFoundError, ImpossibleMoveError."""
+        return self._writer.write(lambda c: run_moves.retry(c, run_id))
 
     def attempts(self, run_id: str) -> list[Attempt]:
         """Return every attempt of a run, the first one first."""

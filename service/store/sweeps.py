@@ -1,5 +1,6 @@
-"""Sweeps: creating one with all its runs, reading them with counts, cancelling."""
+"""Sweeps: creating one with all its runs, reading them with counts."""
 
+import json
 import secrets
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -13,15 +14,13 @@ from sqlalchemy import (
     func,
     insert,
     select,
-    update,
 )
 
 from service.run import ACTIVE, RunStatus
 from service.store import events
 from service.store.column_types import now
-from service.store.refusal import ImpossibleMoveError, NotFoundError
-from service.store.runs import end_queued
-from service.store.tables import is_running, runs, sweeps
+from service.store.refusal import NotFoundError, SubmissionKeyReusedError
+from service.store.tables import runs, sweeps
 from service.sweep import RunCounts, Sweep, SweepStatus
 from workers.run_spec import RunSpec
 
@@ -34,10 +33,25 @@ def create(
     request: Mapping[str, Any],
     specs: Sequence[RunSpec],
     environment_versions: Mapping[str, int],
+    submission_key: str | None,
 ) -> Sweep:
-    """Write a sweep and its runs, which are numbered in the order of the specs."""
+    """Write a sweep and its runs, which are numbered in the order of the specs.
+
+    Under a key that a sweep was submitted with already, return that one. Raises
+    SubmissionKeyReusedError where that one's request was another.
+    """
+    if submission_key is not None:
+        earlier = _submitted(connection, submission_key, request)
+        if earlier is not None:
+            return earlier
     sweep_id = secrets.token_hex(6)
-    heading = {"id": sweep_id, "name": name, "priority": priority, "request": request}
+    heading = {
+        "id": sweep_id,
+        "name": name,
+        "priority": priority,
+        "request": request,
+        "submission_key": submission_key,
+    }
     number = connection.execute(
         insert(sweeps).values(heading).returning(sweeps.c.number)
     ).scalar_one()
@@ -64,6 +78,20 @@ def create(
     return get(connection, sweep_id)
 
 
+def _submitted(connection: Connection, key: str, request: Mapping[str, Any]) -> Sweep | None:
+    query = select(sweeps.c.id, sweeps.c.request).where(sweeps.c.submission_key == key)
+    row = connection.execute(query).one_or_none()
+    if row is None:
+        return None
+    # As text, since to Python 1, 1.0 and True are equal.
+    asked, now_asked = (json.dumps(document, sort_keys=True) for document in (row.request, request))
+    if asked != now_asked:
+        raise SubmissionKeyReusedError(
+            f"sweep {row.id} was submitted under this key with another request"
+        )
+    return get(connection, row.id)
+
+
 def find(connection: Connection, sweep_id: str) -> Sweep | None:
     """Return one sweep, or None."""
     row = connection.execute(_summaries(sweeps.c.id == sweep_id)).one_or_none()
@@ -86,34 +114,6 @@ def page(connection: Connection, after: str | None, limit: int) -> list[Sweep]:
         numbers = numbers.where(sweeps.c.number < last)
     query = _summaries(sweeps.c.number.in_(numbers)).order_by(sweeps.c.number.desc())
     return [_sweep(row) for row in connection.execute(query)]
-
-
-def cancel(connection: Connection, sweep_id: str) -> Sweep:
-    """Cancel every run that has not ended: queued ones at once, running ones by their workers.
-
-    Again is no error. Raises NotFoundError, or ImpossibleMoveError when all runs have ended.
-    """
-    sweep = get(connection, sweep_id)
-    if sweep.status is SweepStatus.CANCELLED:
-        return sweep
-    if sweep.status is SweepStatus.FINISHED:
-        raise ImpossibleMoveError(
-            f"sweep {sweep_id} has finished: none of its runs is left to cancel"
-        )
-    number = connection.execute(
-        update(sweeps)
-        .where(sweeps.c.id == sweep_id)
-        .values(cancelled_at=func.coalesce(sweeps.c.cancelled_at, now()))
-        .returning(sweeps.c.number)
-    ).scalar_one()
-    connection.execute(
-        update(runs)
-        .where(runs.c.sweep_number == number, is_running)
-        .values(is_cancelling=True, reason="cancelling: its worker has been told to stop")
-    )
-    events.append(connection, [events.sweep_changed(number, sweep_id, "cancelled")])
-    end_queued(connection, runs.c.sweep_number == number, "its sweep was cancelled")
-    return get(connection, sweep_id)
 
 
 def _summaries(condition: ColumnElement[bool]) -> Select[Any]:
@@ -143,7 +143,7 @@ def _sweep(row: Row[Any]) -> Sweep:
     eta = None
     if counts.active == 0:
         eta = 0.0
-    elif row.started_at is not None and progress > 0:
+    elif row.started_at is not None and progress > 0 and counts.paused == 0:
         eta = (row.clock - row.started_at) * (1 - progress) / progress
     return Sweep(
         id=row.id,
@@ -152,15 +152,17 @@ def _sweep(row: Row[Any]) -> Sweep:
         request=row.request,
         created_at=row.created_at,
         started_at=row.started_at,
-        status=_status(counts, row.started_at, row.cancelled_at),
+        status=_status(counts, row),
         runs=counts,
         progress=progress,
         eta_seconds=eta,
     )
 
 
-def _status(counts: RunCounts, started_at: float | None, cancelled_at: float | None) -> SweepStatus:
+def _status(counts: RunCounts, row: Row[Any]) -> SweepStatus:
     if counts.active == 0:
-        was_cut = cancelled_at is not None and counts.cancelled > 0
+        was_cut = row.cancelled_at is not None and counts.cancelled > 0
         return SweepStatus.CANCELLED if was_cut else SweepStatus.FINISHED
-    return SweepStatus.QUEUED if started_at is None else SweepStatus.RUNNING
+    if row.paused_at is not None or counts.paused == counts.active:
+        return SweepStatus.PAUSED
+    return SweepStatus.QUEUED if row.started_at is None else SweepStatus.RUNNING

@@ -7,7 +7,7 @@ from rich.console import Console
 from service.cli.following import counts_text, eta_text, standings
 
 COUNTS = {
-    "total": 7, "queued": 0, "running": 2, "succeeded": 4, "failed": 0, "diverged": 1,
+    "total": 7, "queued": 0, "running": 2, "paused": 0, "succeeded": 4, "failed": 0, "diverged": 1,
     "cancelled": 0,
 }  # fmt: skip
 

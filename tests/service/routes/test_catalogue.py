@@ -13,8 +13,8 @@ def test_everything_that_is_there_is_listed(idle_client: TestClient) -> None:
     assert answer["limits"]["runs"] >= 10_000
     for algorithm in answer["algorithms"]:
         schema = algorithm["config_schema"]["properties"]
-        assert schema["batch_size"]["minimum"] == 1
-        assert schema["batch_size"]["description"]
+        assert schema["hidden_units"]["minimum"] == 4
+        assert all(setting["description"] for setting in schema.values())
 
 
 def test_every_environment_carries_its_gradient_audit(idle_client: TestClient) -> None:
