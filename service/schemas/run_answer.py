@@ -9,6 +9,8 @@ from pydantic import BaseModel, ConfigDict, Field
 from service.run import Attempt, Run, RunStatus
 from service.schemas.number import Numbers
 
+MOVES = ("cancel", "pause", "resume", "retry")
+
 
 class WeightsAnswer(BaseModel):
     """Weights of the critic's gradient terms."""
@@ -97,7 +99,7 @@ class RunAnswer(BaseModel):
                 "sweep": f"/api/v1/sweeps/{run.sweep_id}",
                 "measurements": f"{link}/measurements",
                 "attempts": f"{link}/attempts",
-                "cancel": f"{link}/cancel",
+                **{move: f"{link}/{move}" for move in MOVES},
             },
         )
 

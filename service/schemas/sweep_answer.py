@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from service.cost import Basis, CellCost, explain, total_core_seconds, wall_seconds
 from service.schemas.number import finite_or_none
-from service.schemas.run_answer import WeightsAnswer, as_time
+from service.schemas.run_answer import MOVES, WeightsAnswer, as_time
 from service.submission.plan import Plan
 from service.sweep import RunCounts, Sweep, SweepStatus
 
@@ -151,7 +151,7 @@ class SweepAnswer(BaseModel):
     def of(cls, sweep: Sweep) -> Self:
         """Show a sweep."""
         link = f"/api/v1/sweeps/{sweep.id}"
-        parts = ("runs", "curves", "table", "statistics", "events", "cancel")
+        parts = ("runs", "curves", "table", "statistics", "events", *MOVES)
         return cls(
             id=sweep.id,
             name=sweep.name,

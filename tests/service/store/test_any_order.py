@@ -24,7 +24,7 @@ from hypothesis.stateful import (
 
 from algorithms.measurement import Divergence
 from service.claim import Claim
-from service.run import RunStatus
+from service.run import ACTIVE, RunStatus
 from service.store.refusal import ImpossibleMoveError
 from service.store.store import Store
 from tests.service.store.conftest import AT_ONCE, Fresh, measured
@@ -194,10 +194,32 @@ class StoreMachine(RuleBasedStateMachine):
             assert run.status.is_final
             assert run.status is not RunStatus.CANCELLED
             return
-        if run.status is RunStatus.QUEUED:
+        if run.status in {RunStatus.QUEUED, RunStatus.PAUSED}:
             run.status = RunStatus.CANCELLED
         elif run.status is RunStatus.RUNNING:
             run.is_cancelling = True
+
+    @rule(data=st.data(), how=st.sampled_from(["pause", "resume", "retry"]))
+    def move(self, data: st.DataObject, how: str) -> None:
+        if not self.runs:
+            return
+        name = data.draw(st.sampled_from(sorted(self.runs)))
+        run = self.runs[name]
+        source, target, idle = {
+            "pause": (RunStatus.QUEUED, RunStatus.PAUSED, {RunStatus.PAUSED}),
+            "resume": (RunStatus.PAUSED, RunStatus.QUEUED, {RunStatus.QUEUED, RunStatus.RUNNING}),
+            "retry": (RunStatus.FAILED, RunStatus.QUEUED, ACTIVE),
+        }[how]
+        asked = getattr(self.store, f"{how}_run")
+        if run.status is source:
+            assert asked(name).status is target
+            run.status = target
+            run.losses = 0 if how == "retry" else run.losses
+        elif run.status in idle:
+            assert asked(name).status is run.status
+        else:
+            with pytest.raises(ImpossibleMoveError):
+                asked(name)
 
     @rule()
     def restart(self) -> None:
@@ -224,7 +246,7 @@ class StoreMachine(RuleBasedStateMachine):
         assert last == {
             name: run.status.value
             for name, run in self.runs.items()
-            if run.attempt > 0 or run.status is not RunStatus.QUEUED
+            if name in last or run.attempt > 0 or run.status is not RunStatus.QUEUED
         }
 
 

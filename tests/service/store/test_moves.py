@@ -1,12 +1,15 @@
 """Pausing, resuming and retrying sweeps and runs: what moves, what stays, what is refused."""
 
+import threading
+from concurrent.futures import ThreadPoolExecutor
+
 import pytest
 
 from service.run import RunStatus
 from service.store.refusal import ImpossibleMoveError, SubmissionKeyReusedError
 from service.store.store import Store
 from service.sweep import RunCounts, SweepStatus
-from tests.service.store.conftest import Submit, measured
+from tests.service.store.conftest import AT_ONCE, Submit, measured
 from workers.progress import Progress
 from workers.run_spec import RunSpec
 
@@ -137,3 +140,60 @@ def test_a_key_stands_for_one_sweep(store: Store) -> None:
     with pytest.raises(SubmissionKeyReusedError, match=f"sweep {first} was submitted"):
         create("a key", seeds=3)
     assert counts(store, first) == RunCounts(queued=2)
+
+
+def test_nothing_starts_once_a_sweep_that_is_being_claimed_was_cancelled(
+    store: Store, submit: Submit
+) -> None:
+    """Eight claimers against a cancel in their midst: afterwards no claim succeeds."""
+    sweep = submit(seeds=2000)
+    begun, cancelled = threading.Barrier(9), threading.Event()
+
+    def claim_all() -> int:
+        late = 0
+        begun.wait(10)
+        while True:
+            is_late = cancelled.is_set()
+            claim = store.claim_cohort("w", LEASE)
+            if claim is None:
+                return late
+            late += is_late
+
+    with ThreadPoolExecutor(8) as pool:
+        claimers = [pool.submit(claim_all) for _ in range(8)]
+        begun.wait(10)
+        left = store.cancel_sweep(sweep.id).runs
+        cancelled.set()
+        assert sum(claimer.result() for claimer in claimers) == 0
+    assert left.queued == 0
+    assert left.cancelled + left.running == 2000
+    assert counts(store, sweep.id) == left
+
+
+def test_a_sweep_whose_runs_are_all_paused_is_paused(store: Store, submit: Submit) -> None:
+    sweep = submit(seeds=2)
+    for ordinal in range(2):
+        store.pause_run(f"{sweep.id}-{ordinal}")
+    found = store.find_sweep(sweep.id)
+    assert found is not None
+    assert found.status is SweepStatus.PAUSED
+    assert store.resume_sweep(sweep.id).runs == RunCounts(queued=2)
+
+
+def test_a_failed_run_is_tried_again_with_a_clean_slate(store: Store, submit: Submit) -> None:
+    """It was given up after too many losses; the next loss is its first again."""
+    run_id = f"{submit(seeds=1).id}-0"
+    for _ in range(AT_ONCE.losses + 1):
+        claim = store.claim_cohort("w", LEASE)
+        assert claim is not None
+        store.lose(claim, "its worker was lost")
+    for _ in range(2):
+        run = store.retry_run(run_id)
+        assert (run.status, run.attempt) == (RunStatus.QUEUED, AT_ONCE.losses + 1)
+    claim = store.claim_cohort("w", LEASE)
+    assert claim is not None
+    store.lose(claim, "its worker was lost")
+    again = store.find_run(run_id)
+    assert again is not None
+    assert again.status is RunStatus.QUEUED
+    assert len(store.attempts(run_id)) == AT_ONCE.losses + 2
