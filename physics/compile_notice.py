@@ -25,24 +25,30 @@ class _Notice(event.Listener):
     def __init__(self, purpose: str, stream: TextIO) -> None:
         self.purpose = purpose
         self.stream = stream
-        self.started: float | None = None
+        self.kernels = 0
+        self.seconds = 0.0
+        self._begun: list[float] = []  # a kernel compiles those that it calls before itself
 
     def on_start(self, event: Any) -> None:
         """Begin the line, if this is the first kernel."""
         del event
-        if self.started is None:
-            self.started = time.perf_counter()
+        if not self.kernels and not self._begun:
             self._write(f"compiling kernels for {self.purpose} (once on this machine) ")
+        self._begun.append(time.perf_counter())
 
     def on_end(self, event: Any) -> None:
         """Add the kernel's dot."""
         del event
+        self.kernels += 1
+        begun = self._begun.pop()
+        if not self._begun:
+            self.seconds += time.perf_counter() - begun
         self._write(".")
 
     def close(self) -> None:
         """End the line, if there is one."""
-        if self.started is not None:
-            self._write(f" {time.perf_counter() - self.started:.1f} s\n")
+        if self.kernels:
+            self._write(f" {self.seconds:.1f} s\n")
 
     def _write(self, text: str) -> None:
         self.stream.write(text)

@@ -1,6 +1,7 @@
 """Compiling is told of where it happens, and nowhere else."""
 
 import re
+import time
 from collections.abc import Iterator
 from typing import Any
 
@@ -50,3 +51,18 @@ def test_an_error_passes_through(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(ValueError, match="as it was"):
         list(noticed(failing(), "values"))
     assert capsys.readouterr().err == ""
+
+
+def test_the_seconds_are_those_of_compiling_alone(capsys: pytest.CaptureFixture[str]) -> None:
+    """A kernel compiles its callee within itself: its seconds count once, other work not at all."""
+    inner: Any = numba.njit(lambda x: x + 1.0)
+    outer: Any = numba.njit(lambda x: inner(x) * 2.0)
+    before = time.perf_counter()
+    with compile_notice("a test"):
+        outer(1.0)
+        compiled = time.perf_counter() - before
+        while time.perf_counter() - before < compiled + 0.5:
+            pass
+    line = re.fullmatch(r".* \.\. (\d+\.\d) s\n", capsys.readouterr().err)
+    assert line
+    assert float(line[1]) <= compiled + 0.05  # as rounded

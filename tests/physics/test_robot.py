@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from physics.half_cheetah import CHEETAH, ROBOT
+from physics.half_cheetah import CHEETAH
+from physics.half_cheetah_robot import ROBOT
 from physics.robot import Capsule
 
 MECHANISM = CHEETAH[0]
