@@ -31,8 +31,13 @@ def test_a_sweep_is_counted_and_submitted_once(signed_in: Page, live: LiveServic
     form.get_by_text("What will run").click()
     expect(form.get_by_role("region", name="Planned runs").locator("tbody tr")).to_have_count(3)
     assert violations(signed_in) == []
+    keys: list[str] = []
+    signed_in.on(
+        "request", lambda sent: keys.extend(filter(None, [sent.headers.get("idempotency-key")]))
+    )
     form.get_by_role("button", name="Submit").dblclick()
     signed_in.wait_for_url(f"{live.url}/sweeps/*")
+    assert [len(key) for key in keys] == [32]
     (sweep,) = live.store.list_sweeps()
     assert sweep.name == "from the form"
     assert sweep.runs.total == 6

@@ -261,6 +261,27 @@ def test_cancelling_the_sweep(opened: Page, live: LiveService) -> None:
     assert len(live.store.cancelling_runs()) == 16
 
 
+def test_a_sweep_is_paused_resumed_and_its_failures_retried(
+    signed_in: Page, live: LiveService
+) -> None:
+    sweep = live.add_sweep(environments=("Pendulum",))
+    signed_in.goto(f"{live.url}/sweeps/{sweep.id}")
+    counts = signed_in.locator("#counts")
+    signed_in.get_by_role("button", name="Pause").click()
+    expect(counts).to_have_text("8 paused")
+    expect(signed_in.locator("#remaining")).to_have_text("paused")
+    expect(signed_in.get_by_role("button", name="Pause")).to_be_hidden()
+    signed_in.get_by_role("button", name="Resume").click()
+    expect(counts).to_have_text("8 queued")
+    expect(signed_in.get_by_role("button", name="Resume")).to_be_hidden()
+    live.train(0, 800)
+    live.fail("ValueError: no")
+    expect(counts).to_contain_text("4 failed")
+    signed_in.get_by_role("button", name="Retry failed").click()
+    expect(counts).to_contain_text("4 queued")
+    expect(signed_in.locator("#problems")).to_be_hidden()
+
+
 def test_the_score_table_sorts_and_marks_the_best(opened: Page, live: LiveService) -> None:
     rows = opened.locator("#score-table tbody tr")
     expect(rows).to_have_count(2)

@@ -21,9 +21,9 @@ export function canCancel(run) {
   return ["queued", "running", "paused"].includes(run.status) && !run.is_cancelling;
 }
 
-/** Whether the service offers to try it again. */
+/** Whether it can be tried again: one that diverged would again. */
 export function canRetry(run) {
-  return run.status === "failed" && "retry" in run.links;
+  return run.status === "failed";
 }
 
 /** Cancel a run if the person means it. Throws Refusal. */

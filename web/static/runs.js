@@ -16,7 +16,7 @@ const id = document.getElementById("sweep").dataset.sweep;
 const at = (name) => document.getElementById(name);
 
 const view = new View({
-  status: oneOf("all", "running", "queued", "succeeded", "failed", "diverged", "cancelled"),
+  status: oneOf("all", "running", "queued", "paused", "succeeded", "failed", "diverged", "cancelled"),
   algorithm: text,
   environment: text,
   sort: oneOf("made", "return_mean", "timestep", "seconds"),

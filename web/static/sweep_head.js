@@ -7,7 +7,6 @@ import { loadProblems } from "./problems.js";
 import {
   cancelSweep,
   isActive,
-  isPaused,
   stateText,
   statusCounts,
   summary,
@@ -79,10 +78,10 @@ export class SweepHead {
   }
 }
 
-/** Offer what the service offers and what makes sense now. */
+/** Offer what makes sense now. */
 function showActions(sweep) {
   at("cancel").hidden = !isActive(sweep);
-  at("pause").hidden = !("pause" in sweep.links) || sweep.runs.queued === 0 || isPaused(sweep);
-  at("resume").hidden = !("resume" in sweep.links) || !isPaused(sweep);
-  at("retry").hidden = !("retry" in sweep.links) || sweep.runs.failed === 0;
+  at("pause").hidden = sweep.runs.queued === 0;
+  at("resume").hidden = sweep.status !== "paused" && sweep.runs.paused === 0;
+  at("retry").hidden = sweep.runs.failed === 0;
 }

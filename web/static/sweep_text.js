@@ -23,17 +23,12 @@ export function summary({ request }) {
 
 /** Whether there is anything left to cancel. */
 export function isActive({ runs }) {
-  return runs.queued + runs.running + (runs.paused ?? 0) > 0;
-}
-
-/** Whether its runs wait for somebody to resume it. */
-export function isPaused(sweep) {
-  return sweep.status === "paused" || sweep.runs.paused > 0;
+  return runs.queued + runs.running + runs.paused > 0;
 }
 
 /** "about 3 min left", "paused", or how it ended. */
 export function stateText(sweep) {
-  if (isPaused(sweep)) return "paused";
+  if (sweep.status === "paused") return "paused";
   return isActive(sweep) ? remaining(sweep.eta_seconds) : sweep.status;
 }
 
@@ -50,7 +45,7 @@ export function statusCounts(list) {
   );
   return ({ runs }) =>
     show(
-      STATUSES.map((status) => ({ status, amount: runs[status] ?? 0 })).filter(({ amount }) => amount > 0),
+      STATUSES.map((status) => ({ status, amount: runs[status] })).filter(({ amount }) => amount > 0),
     );
 }
 
