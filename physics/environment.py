@@ -131,12 +131,15 @@ class Environment(ABC):
                 outside the task's domain.
             UnsolvedStepError: when a row's equations have no solution within the solver's bounds.
         """
+        # Written out: at small batches, a call more and a tuple unpacked are a tenth of a step.
         states, actions = self._checked(states, actions)
-        transition = self._empty_transition(states.shape[0])
-        unsolved = self.step_kernel(states, actions, *transition)
+        batch = len(states)
+        next_state, reward = np.empty((batch, self.state_size)), np.empty(batch)
+        terminated = np.empty(batch, BOOL)
+        unsolved = self.step_kernel(states, actions, next_state, reward, terminated)
         if unsolved >= 0:
             raise self.failure(states[unsolved], actions[unsolved])
-        return transition
+        return Transition(next_state, reward, terminated)
 
     def differentiate(self, states: FloatArray, actions: FloatArray) -> Linearization:
         """Advance by one step, bit for bit as `step`, with the exact derivatives.
@@ -145,20 +148,19 @@ class Environment(ABC):
             ValueError, UnsolvedStepError: as `step`.
         """
         states, actions = self._checked(states, actions)
-        batch, n, m = states.shape[0], self.state_size, self.action_size
-        linearization = Linearization(
-            self._empty_transition(batch),
+        batch, n, m = len(states), self.state_size, self.action_size
+        transition = np.empty((batch, n)), np.empty(batch), np.empty(batch, BOOL)
+        derivatives = (
             np.empty((batch, n, n)),
             np.empty((batch, n, m)),
             np.empty((batch, n)),
             np.empty((batch, m)),
             np.empty((batch, n)),
         )
-        transition, *derivatives = linearization
         unsolved = self.differentiate_kernel(states, actions, *transition, *derivatives)
         if unsolved >= 0:
             raise self.failure(states[unsolved], actions[unsolved])
-        return linearization
+        return Linearization(Transition(*transition), *derivatives)
 
     def initial_states(self, seeds: Sequence[int] | IntArray) -> FloatArray:
         """Start states [len(seeds), n]; row i depends on `seeds[i]` alone."""
@@ -254,11 +256,6 @@ class Environment(ABC):
                 f"state {states[row].tolist()}, action {actions[row].tolist()}"
             )
         return states, actions
-
-    def _empty_transition(self, batch: int) -> Transition:
-        return Transition(
-            np.empty((batch, self.state_size)), np.empty(batch), np.empty(batch, BOOL)
-        )
 
 
 def clip_sides(actions: FloatArray) -> IntArray:
