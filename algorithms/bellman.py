@@ -33,9 +33,7 @@ def target_value(
     value: Array,
 ) -> None:
     """The normalised target `value [B]`; leaves both target networks' passes in the work arrays."""
-    for row in range(batch.x.shape[0]):
-        for i in range(batch.x.shape[1]):
-            actor_work.x[row, i] = batch.next_x[row, i]
+    network.receive(actor_work, batch.next_x)
     actor.choose(actor_target, actor_work, next_actions)
     join(batch.next_x, next_actions, critic_work.x)
     network.forward(critic_target, critic_work)

@@ -150,9 +150,7 @@ def actor_gradient(pi: Parameters, q: Parameters, work: Work, result: Parameters
     """The gradient of `-1/B sum Q(s, pi(s))`."""
     rows = work.batch.x.shape[0]
     real = work.fit.value.dtype.type
-    for row in range(rows):
-        for i in range(work.batch.x.shape[1]):
-            work.actor.x[row, i] = work.batch.x[row, i]
+    network.receive(work.actor, work.batch.x)
     actor.choose(pi, work.actor, work.actions)
     critic.join(work.batch.x, work.actions, work.fit.critic.x)
     network.forward(q, work.fit.critic)

@@ -198,6 +198,18 @@ def new_direction(theta: Array, rows: int, shape: Shape) -> Direction:
 
 
 @compiled_fast
+def receive(a: Pass, x: Array) -> None:
+    """Copy the inputs `x [B, I]` into the pass.
+
+    Entry by entry: a slice's copy brings a check of shapes with it that takes longer to compile
+    than a network.
+    """
+    for i in range(x.shape[0]):
+        for j in range(x.shape[1]):
+            a.x[i, j] = x[i, j]
+
+
+@compiled_fast
 def forward(p: Parameters, a: Pass) -> None:
     """`out = f(x)`."""
     layer.forward(p.first, a.x, a.first)

@@ -72,9 +72,7 @@ def action_distance(
     batch = replay.new_batch(memory, indices.size)
     replay.draw(memory, indices, scaling, batch)
     work = network.new_pass(theta, indices.size, shape)
-    for row in range(indices.size):
-        for i in range(shape.inputs):
-            work.x[row, i] = batch.x[row, i]
+    network.receive(work, batch.x)
     other = np.empty_like(batch.actions)
     choose(network.parameters(theta, shape), work, batch.actions)
     choose(network.parameters(perturbed, shape), work, other)

@@ -14,7 +14,7 @@ Glossary: `N` capacity, `F` features, `C` seen coordinates, `m` actions, `n` sta
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -197,3 +197,18 @@ def draw_derivatives(
             inverse = scaling.inverse[i] if inside else real(0)
             for j in range(columns):
                 batch.jacobians[row, i, j] = memory.jacobians[k, i, j] * inverse * scaling.unit[j]
+
+
+@compiled_fast
+def scale_rewards(batch: Batch, c: Any) -> None:
+    """Multiply the rewards by c, after `draw`."""
+    for row in range(batch.rewards.size):
+        batch.rewards[row] *= c
+
+
+@compiled_fast
+def scale_reward_gradients(batch: Batch, c: Any) -> None:
+    """Multiply their gradients by c, after `draw_derivatives`."""
+    for row in range(batch.rewards.size):
+        for j in range(batch.reward_gradients.shape[1]):
+            batch.reward_gradients[row, j] *= c

@@ -156,10 +156,10 @@ def update(
     for u in range(indices.shape[0]):
         step = optimizer.corrected(rates.rate, done + u + 1)
         replay.draw(memory, indices[u], scaling, work.batch)
-        work.batch.rewards[:] *= rates.reward_scale
+        replay.scale_rewards(work.batch, rates.reward_scale)
         if losses.is_matched(matching):
             replay.draw_derivatives(memory, indices[u], coordinates, scaling, work.batch)
-            work.batch.reward_gradients[:] *= rates.reward_scale
+            replay.scale_reward_gradients(work.batch, rates.reward_scale)
         aim_critics(networks.value, rates.gamma, scaling, matching, work, shapes)
         improve_policy(networks, noise[u], scaling, work, shapes)
         report.value_loss[u] = fit_value(networks.value, work, shapes)
@@ -200,7 +200,7 @@ def improve_policy(
     rows = batch.x.shape[0]
     real = work.log_pi.dtype.type
     share = real(1) / real(rows)
-    work.policy.x[:] = batch.x
+    network.receive(work.policy, batch.x)
     gaussian.sample(policy, work.policy, noise, work.actions, work.log_pi)
     critic.join(batch.x, work.actions, q.x)
     work.value_aim[:] = np.inf
@@ -223,7 +223,7 @@ def improve_policy(
 def fit_value(value: Learned, work: Work, shapes: Shapes) -> Any:
     """The loss of V; its gradient goes to `work.value_gradient`."""
     v = network.parameters(value.theta, shapes.value)
-    work.value.x[:] = work.batch.x
+    network.receive(work.value, work.batch.x)
     network.forward(v, work.value)
     loss = losses.value_loss(work.value.out, work.value_aim, work.value.out_bar)
     network.backward(v, work.value)
@@ -289,9 +289,9 @@ def gradient_pair(
     indices = np.arange(memory.rewards.size)
     work = new_work(memory, networks, indices.size, shapes)
     replay.draw(memory, indices, scaling, work.batch)
-    work.batch.rewards[:] *= rates.reward_scale
+    replay.scale_rewards(work.batch, rates.reward_scale)
     replay.draw_derivatives(memory, indices, coordinates, scaling, work.batch)
-    work.batch.reward_gradients[:] *= rates.reward_scale
+    replay.scale_reward_gradients(work.batch, rates.reward_scale)
     v = network.parameters(networks.value.target, shapes.value)
     q = network.parameters(networks.critics[0].theta, shapes.critic)
     soft_bellman.target_value(v, work.batch, rates.gamma, scaling, work.value, work.fit.value)

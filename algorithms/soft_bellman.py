@@ -31,7 +31,7 @@ def target_value(
     result: Array,
 ) -> None:
     """The normalised Qhat [B]; leaves the pass of V' in `work`."""
-    work.x[:] = batch.next_x
+    network.receive(work, batch.next_x)
     network.forward(value_target, work)
     bellman.back_up(batch, gamma, scaling, work.out, result)
 
