@@ -2,6 +2,8 @@
 
 Recorded (presets, seeds 0 to 15, 20,000 timesteps): normalised area 0.629 for ddpg and 0.680 for
 hybrid-ddpg; their difference 0.051, 95 % bootstrap interval [0.012, 0.104]; ddpg ends at 0.84.
+The others, area and end: hybrid-ddpg-cosine 0.662 and 0.862, sac 0.753 and 0.883, hybrid-sac 0.769
+and 0.884.
 """
 
 import numpy as np
