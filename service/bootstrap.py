@@ -28,7 +28,12 @@ def wired(settings: Settings) -> Iterator[FastAPI]:
         store = Store.open(settings.store_url)
         try:
             pool = PoolProcess(
-                PoolSettings(settings.workers, settings.ray_address, settings.data_dir)
+                PoolSettings(
+                    settings.workers,
+                    settings.ray_address,
+                    settings.data_dir,
+                    settings.checkpoints,
+                )
             )
             dispatcher = Dispatcher(store, pool)
             app = create_app(settings, store, dispatcher)

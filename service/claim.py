@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from workers.assignment import Assignment
 from workers.run_spec import RunSpec
 
 
@@ -41,8 +42,13 @@ class Claim:
 
     @property
     def specs(self) -> tuple[RunSpec, ...]:
-        """What the worker is to train."""
+        """The runs' specs."""
         return tuple(run.spec for run in self.runs)
+
+    @property
+    def assignments(self) -> tuple[Assignment, ...]:
+        """What the worker is told."""
+        return tuple(Assignment(run.run_id, run.attempt, run.spec) for run in self.runs)
 
     def only(self, run_ids: frozenset[str] | set[str]) -> "Claim":
         """Return the claim on those of its runs alone."""

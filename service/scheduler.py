@@ -274,7 +274,7 @@ def _claimed(state: State, worker: str, claim: Claim | None, now: float) -> Step
     is_known = version in state.random_returns or version in in_measurement
     cohort = Cohort(claim.name, claim, now, None if is_known else version)
     state = _with(state, worker, cohort)
-    work = Work(cohort.name, claim.specs, not is_known, note=claim.to_json())
+    work = Work(cohort.name, claim.assignments, not is_known, note=claim.to_json())
     train = Train(worker, work)
     return state, [train, AskWaiting()] if state.idle else [train]
 

@@ -82,6 +82,11 @@ class Settings(BaseSettings):
         return self.database_url or f"sqlite:///{(self.data_dir / 'd3pg.sqlite').resolve()}"
 
     @property
+    def checkpoints(self) -> Path:
+        """Folder of the runs' checkpoints and policies."""
+        return self.data_dir / "checkpoints"
+
+    @property
     def url(self) -> str:
         """Where a browser on this machine finds the service."""
         host = "127.0.0.1" if self.host in WILDCARD_ADDRESSES else as_url_host(self.host)

@@ -15,11 +15,19 @@ def main() -> None:
     parser.add_argument("--workers", type=int, required=True, help="local worker slots")
     parser.add_argument("--address", required=True, help="cluster to join; empty: a local one")
     parser.add_argument("--logs", type=Path, required=True, help="folder of the workers' logs")
+    parser.add_argument("--checkpoints", type=Path, required=True, help="folder of checkpoints")
     parser.add_argument("--scratch", required=True, help="folder for Ray's own files")
     options = parser.parse_args()
     channel = socket.socket(fileno=options.channel)
     try:
-        drive(channel, options.workers, options.address, options.logs, options.scratch)
+        drive(
+            channel,
+            options.workers,
+            options.address,
+            logs=options.logs,
+            checkpoints=options.checkpoints,
+            scratch=options.scratch,
+        )
     finally:  # also done by who made it, unless killed
         shutil.rmtree(options.scratch, ignore_errors=True)
 

@@ -44,9 +44,10 @@ Send = Callable[[str], None]
 class Worker:
     """What runs in a worker's process. Calls to `drop` arrive while `train` streams."""
 
-    def __init__(self, name: str, log_path: str) -> None:
+    def __init__(self, name: str, log_path: str, checkpoints: str) -> None:
         """Send all output of the process to the log file, a crash's stack too."""
         self._name = name
+        self._checkpoints = Path(checkpoints)
         self._log_path = Path(log_path)
         self._cohort = ""
         self._dropped: set[int] = set()
@@ -69,7 +70,8 @@ class Worker:
         os.truncate(self._log_path, 0)
         try:
             told = execute(
-                work.specs,
+                work.runs,
+                self._checkpoints,
                 lambda: self._dropped,
                 _leave,
                 measure_random_return=work.measure_random_return,
@@ -103,9 +105,12 @@ RemoteWorker = _actor_class.options(
 class Slot:
     """One worker at a time, on a thread of its own."""
 
-    def __init__(self, names: "itertools.count[int]", logs: Path, send: Send) -> None:
+    def __init__(
+        self, names: "itertools.count[int]", logs: Path, checkpoints: Path, send: Send
+    ) -> None:
         """Start the thread."""
         self._names = names
+        self._checkpoints = checkpoints
         self._logs = logs
         self._send = send
         self._work: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
@@ -139,7 +144,9 @@ class Slot:
             log_path = self._logs / f"{self.worker}.log"
             begun = time.monotonic()
             try:
-                self._actor = RemoteWorker.remote(self.worker, str(log_path))
+                self._actor = RemoteWorker.remote(
+                    self.worker, str(log_path), str(self._checkpoints)
+                )
                 self._serve()
             except ray.exceptions.RayError as error:
                 self._send(to_line(Lost(self.worker, _reason(error), log_tail(log_path))))
@@ -179,12 +186,12 @@ def _reason(error: Exception) -> str:
 class ActorPool:
     """All slots; obeys commands read from a channel until it ends."""
 
-    def __init__(self, channel: socket.socket, slots: int, logs: Path) -> None:
+    def __init__(self, channel: socket.socket, slots: int, logs: Path, checkpoints: Path) -> None:
         """Start the slots."""
         self._channel = channel
         self._lock = threading.Lock()
         names = itertools.count(1)
-        self._slots = [Slot(names, logs, self._send) for _ in range(slots)]
+        self._slots = [Slot(names, logs, checkpoints, self._send) for _ in range(slots)]
 
     def obey(self) -> None:
         """Do what the lines say, until the stream ends."""
@@ -210,7 +217,15 @@ class ActorPool:
             self._channel.sendall(line.encode() + b"\n")
 
 
-def drive(channel: socket.socket, workers: int, address: str, logs: Path, scratch: str) -> None:
+def drive(
+    channel: socket.socket,
+    workers: int,
+    address: str,
+    *,
+    logs: Path,
+    checkpoints: Path,
+    scratch: str,
+) -> None:
     """Join the cluster, or make one of so many workers, and obey the channel until it ends."""
     if address:
         with _deadline(JOIN_SECONDS, f"Ray at {address} did not answer in {JOIN_SECONDS:.0f} s"):
@@ -229,7 +244,7 @@ def drive(channel: socket.socket, workers: int, address: str, logs: Path, scratc
                 _temp_dir=scratch,
             )
     try:
-        ActorPool(channel, workers, logs).obey()
+        ActorPool(channel, workers, logs, checkpoints).obey()
     finally:
         ray.shutdown()
 

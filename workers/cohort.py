@@ -1,5 +1,8 @@
 """A cohort in training, on a thread of its own.
 
+Its runs are taken up where their checkpoints left them. Those left at one timestep train together,
+and where there are several such groups, the foremost goes first and the others wait for it.
+
 The thread works cycle after cycle and leaves its news in a box; `collect` empties the box. So the
 one who listens hears from the worker every second even while a kernel compiles, and a worker that
 nobody listens to any more stops by itself: its lease has ended, and another may have its runs.
@@ -7,12 +10,14 @@ nobody listens to any more stops by itself: its lease has ended, and another may
 
 import threading
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from algorithms.learner import Learner
 from algorithms.measurement import Divergence, Measurement
-from workers.progress import Activity, Progress
+from workers.cadence import Cadence
+from workers.checkpoint import Checkpoints, Found
+from workers.progress import Activity, CheckpointAttempt, Progress, Resumption
 from workers.random_return import RandomReturn
 
 PATIENCE_SECONDS = 30.0
@@ -31,23 +36,27 @@ class _News:
     diverged: list[Divergence] = field(default_factory=list)
     finished: list[int] = field(default_factory=list)
     dropped: list[int] = field(default_factory=list)
+    resumed: list[Resumption] = field(default_factory=list)
+    checkpoints: list[CheckpointAttempt] = field(default_factory=list)
     random_return: RandomReturn | None = None
 
 
 class Cohort:
-    """Trains what `make_learner` makes until every seed has ended, or `stop`.
+    """Trains the seeds that have `checkpoints` until every one has ended, or `stop`.
 
     `measure_first`, where given, runs before; its random return is among the first news.
     """
 
     def __init__(
         self,
-        make_learner: Callable[[], Learner],
+        checkpoints: Mapping[int, Checkpoints],
+        make_learner: Callable[[Sequence[int]], Learner],
         dropped: Callable[[], Collection[int]],
         on_abandoned: Callable[[], None],
         measure_first: Callable[[], RandomReturn] | None = None,
     ) -> None:
         """Start the thread. `dropped` is asked before each cycle which seeds are to leave."""
+        self._checkpoints = checkpoints
         self._make_learner = make_learner
         self._dropped = dropped
         self._on_abandoned = on_abandoned
@@ -57,6 +66,10 @@ class Cohort:
         self._stopped = threading.Event()
         self._news = _News()
         self._timestep = 0
+        self._training: Sequence[int] = ()
+        self._waiting = list(checkpoints)
+        self._measured: dict[int, list[Measurement]] = {}
+        self._bytes_per_run = 0
         self._activity = Activity.COMPILING
         self._failure: Exception | None = None
         self._collected_at = time.monotonic()
@@ -76,6 +89,10 @@ class Cohort:
             progress = Progress(
                 timestep=self._timestep,
                 activity=self._activity,
+                training=tuple(self._training),
+                resumed=tuple(news.resumed),
+                checkpoints=tuple(news.checkpoints),
+                bytes_per_run=self._bytes_per_run,
                 measurements=tuple(news.measurements),
                 diverged=tuple(news.diverged),
                 finished=tuple(news.finished),
@@ -97,12 +114,11 @@ class Cohort:
                 measured = self._measure_first()
                 with self._lock:
                     self._news.random_return = measured
-            learner = self._make_learner()
-            while not learner.finished and not self._stopped.is_set():
-                if self._is_abandoned():
-                    raise AbandonedError(f"nobody collected the news for {PATIENCE_SECONDS} s")
-                self._drop(learner)
-                self._cycle(learner)
+            found = self._find_checkpoints()
+            for timestep in sorted({each.timestep for each in found.values()}, reverse=True):
+                group = [seed for seed in self._waiting if found[seed].timestep == timestep]
+                if group and not self._stopped.is_set():
+                    self._train(self._take_up(group, found))
         except AbandonedError as failure:
             self._failure = failure
             self._on_abandoned()
@@ -111,15 +127,76 @@ class Cohort:
         finally:
             self._over.set()
 
+    def _find_checkpoints(self) -> dict[int, Found]:
+        """Look where each run was left, and tell."""
+        found = {seed: checkpoints.find() for seed, checkpoints in self._checkpoints.items()}
+        self._measured = {seed: [*each.measurements] for seed, each in found.items()}
+        with self._lock:
+            self._news.measurements.extend(m for each in found.values() for m in each.measurements)
+            self._news.resumed.extend(
+                Resumption(seed, each.timestep, tuple(each.mixed_with), each.note)
+                for seed, each in found.items()
+            )
+        return found
+
+    def _take_up(self, seeds: Sequence[int], found: Mapping[int, Found]) -> Learner:
+        """Make the learner of seeds that were left at one timestep."""
+        learner = self._make_learner(seeds)
+        saved = {seed: left for seed in seeds if (left := found[seed].saved) is not None}
+        if saved:
+            learner.restore(saved)
+        with self._lock:
+            self._waiting = [seed for seed in self._waiting if seed not in seeds]
+            self._timestep, self._training = learner.timestep, seeds
+            self._bytes_per_run = learner.bytes_per_run
+        return learner
+
+    def _train(self, learner: Learner) -> None:
+        cadence = Cadence()
+        while not learner.finished and not self._stopped.is_set():
+            if self._is_abandoned():
+                raise AbandonedError(f"nobody collected the news for {PATIENCE_SECONDS} s")
+            self._drop(learner)
+            self._cycle(learner)
+            if cadence.is_due and not learner.finished:
+                begun = time.perf_counter()
+                self._save(learner)
+                cadence.took(time.perf_counter() - begun)
+
+    def _save(self, learner: Learner) -> None:
+        """Write a checkpoint of every run in training. Where that fails, training goes on."""
+        for seed in learner.seeds:
+            problem = ""
+            try:
+                self._checkpoints[seed].save(learner, self._measured[seed])
+            except OSError as error:
+                step = learner.timestep
+                problem = f"its checkpoint of step {step} could not be written: {error.strerror}"
+            with self._lock:
+                self._news.checkpoints.append(CheckpointAttempt(seed, learner.timestep, problem))
+        self._save_policies(learner.seeds, learner)
+
+    def _save_policies(self, seeds: Sequence[int], learner: Learner) -> None:
+        """Write what these runs have learned."""
+        for seed in seeds:
+            try:
+                self._checkpoints[seed].save_policy(learner)
+            except OSError as error:
+                problem = f"what it has learned could not be written: {error.strerror}"
+                with self._lock:
+                    attempt = CheckpointAttempt(seed, learner.timestep, problem)
+                    self._news.checkpoints.append(attempt)
+
     def _is_abandoned(self) -> bool:
         with self._lock:
             return time.monotonic() - self._collected_at > PATIENCE_SECONDS
 
     def _drop(self, learner: Learner) -> None:
-        leaving = sorted(set(self._dropped()) & set(learner.seeds))
+        leaving = sorted(set(self._dropped()) & {*learner.seeds, *self._waiting})
         if leaving:
             learner.drop(leaving)
             with self._lock:
+                self._waiting = [seed for seed in self._waiting if seed not in leaving]
                 self._news.dropped.extend(leaving)
 
     def _cycle(self, learner: Learner) -> None:
@@ -129,13 +206,16 @@ class Cohort:
         before = list(learner.seeds)
         said = learner.advance()
         diverged = [entry for entry in said if isinstance(entry, Divergence)]
+        measured = [entry for entry in said if isinstance(entry, Measurement)]
         gone = {entry.seed for entry in diverged}
         remaining = set() if learner.finished else set(learner.seeds)
+        finished = [seed for seed in before if seed not in remaining and seed not in gone]
+        for entry in measured:
+            self._measured[entry.seed].append(entry)
+        self._save_policies(finished, learner)
         with self._lock:
-            self._news.measurements.extend(e for e in said if isinstance(e, Measurement))
+            self._news.measurements.extend(measured)
             self._news.diverged.extend(diverged)
-            self._news.finished.extend(
-                seed for seed in before if seed not in remaining and seed not in gone
-            )
+            self._news.finished.extend(finished)
             self._timestep = learner.timestep
             self._activity = Activity.TRAINING

@@ -4,10 +4,14 @@ A run's curve depends on its spec alone, so executing a run again gives the same
 """
 
 from collections.abc import Callable, Collection, Generator, Sequence
+from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
 from algorithms.learner import Learner
 from algorithms.training import build
+from workers.assignment import Assignment
+from workers.checkpoint import Checkpoints
 from workers.cohort import Cohort
 from workers.fingerprint import fingerprint
 from workers.progress import Activity, Progress
@@ -34,7 +38,8 @@ def build_learner(specs: Sequence[RunSpec]) -> Learner:
 
 
 def execute(
-    specs: Sequence[RunSpec],
+    runs: Sequence[Assignment],
+    checkpoints: Path,
     dropped: Callable[[], Collection[int]],
     on_abandoned: Callable[[], None],
     *,
@@ -43,7 +48,8 @@ def execute(
 ) -> Generator[Progress, None, None]:
     """Train a cohort and yield its progress about once a second, the last one when all has ended.
 
-    Closing the generator stops the training.
+    Runs that have checkpoints below that folder are taken up there; the first progress that has
+    the fingerprint says so. Closing the generator stops the training.
 
     `dropped` names the seeds to stop training; it is asked before every cycle. `on_abandoned` is
     called, on another thread, when nobody has taken a progress for long and training has stopped.
@@ -51,18 +57,21 @@ def execute(
 
     Raises ValueError where the specs are no cohort, and what the learner raises.
     """
-    shared_cell(specs)
-    yield Progress(0, Activity.COMPILING, fingerprint=fingerprint())
+    specs = {run.spec.seed: run.spec for run in runs}
+    cell = shared_cell([run.spec for run in runs])
+    yield Progress(0, Activity.COMPILING)
+    own = fingerprint()
     cohort = Cohort(
-        lambda: build_learner(specs),
+        {run.spec.seed: Checkpoints(checkpoints, run, own) for run in runs},
+        lambda seeds: build_learner([specs[seed] for seed in seeds]),
         dropped,
         on_abandoned,
-        partial(measure, specs[0].environment) if measure_random_return else None,
+        partial(measure, cell.environment) if measure_random_return else None,
     )
     try:
         is_over = False
         while not is_over:
             progress, is_over = cohort.collect(REPORT_SECONDS)
-            yield progress
+            yield replace(progress, fingerprint=own) if progress.resumed else progress
     finally:
         cohort.stop()

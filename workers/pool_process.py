@@ -38,11 +38,13 @@ class PoolSettings:
     workers      local worker slots; of no account with an address
     ray_address  a cluster to join; empty: a local one, made and ended with the pool
     data_dir     takes the token file and the logs
+    checkpoints  folder of the runs' checkpoints
     """
 
     workers: int
     ray_address: str
     data_dir: Path
+    checkpoints: Path
 
 
 class PoolProcess:
@@ -75,6 +77,7 @@ class PoolProcess:
                     f"--workers={self._settings.workers}",
                     f"--address={self._settings.ray_address}",
                     f"--logs={logs.resolve()}",
+                    f"--checkpoints={self._settings.checkpoints.resolve()}",
                     f"--scratch={self._scratch}",
                 ],
                 pass_fds=[theirs.fileno()],

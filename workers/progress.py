@@ -13,30 +13,62 @@ class Activity(StrEnum):
     """What a worker is doing."""
 
     COMPILING = "compiling"
-    """Loading the learner and compiling its kernels, at first use up to a minute."""
+    """Loading the learner and compiling its kernels, at first use up to a minute; and taking up
+    runs where they were left."""
     TRAINING = "training"
     """Past its first cycle."""
+
+
+@dataclass(frozen=True)
+class Resumption:
+    """Where a run was taken up: at a checkpoint's timestep, or anew at 0.
+
+    mixed_with   how the machines that trained it before differ from this one; mostly empty
+    note         what there is to say, a sentence, such as of a damaged checkpoint; mostly empty
+    """
+
+    seed: int
+    timestep: int
+    mixed_with: tuple[str, ...] = ()
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class CheckpointAttempt:
+    """A checkpoint of a run was written, or, where there is a problem, could not be."""
+
+    seed: int
+    timestep: int
+    problem: str = ""
 
 
 @dataclass(frozen=True)
 class Progress:
     """News since the one before. Without any it is a heartbeat.
 
-    timestep      environment steps that every seed still training has done
+    timestep      environment steps that the seeds in training have done
+    training      those seeds, where others of the cohort wait for them; empty: all
     measurements  taken since the one before, of any seed of the cohort
     diverged      seeds that stopped being finite; they train no more
     finished      seeds that are done; they train no more
     dropped       seeds that the worker was told to drop and has dropped
-    fingerprint   what the bits depend on; in the first one only
+    resumed       where runs were taken up, with the fingerprint and all they had measured by then
+    checkpoints   that were written, or could not be
+    bytes_per_run memory that each run may come to fill; 0 until that is known
+    fingerprint   what the bits depend on; once, before anything is trained
     random_return of the task, once, where it was asked for
     """
 
     timestep: int
     activity: Activity = Activity.TRAINING
+    training: tuple[int, ...] = ()
     measurements: tuple[Measurement, ...] = ()
     diverged: tuple[Divergence, ...] = ()
     finished: tuple[int, ...] = ()
     dropped: tuple[int, ...] = ()
+    resumed: tuple[Resumption, ...] = ()
+    checkpoints: tuple[CheckpointAttempt, ...] = ()
+    bytes_per_run: int = 0
     fingerprint: Mapping[str, Any] = field(default_factory=dict)
     random_return: RandomReturn | None = None
 
@@ -47,10 +79,17 @@ class Progress:
         return cls(
             timestep=document["timestep"],
             activity=Activity(document["activity"]),
+            training=tuple(document["training"]),
             measurements=tuple(Measurement(**entry) for entry in document["measurements"]),
             diverged=tuple(Divergence(**entry) for entry in document["diverged"]),
             finished=tuple(document["finished"]),
             dropped=tuple(document["dropped"]),
+            resumed=tuple(
+                Resumption(**{**entry, "mixed_with": tuple(entry["mixed_with"])})
+                for entry in document["resumed"]
+            ),
+            checkpoints=tuple(CheckpointAttempt(**entry) for entry in document["checkpoints"]),
+            bytes_per_run=document["bytes_per_run"],
             fingerprint=document["fingerprint"],
             random_return=measured and RandomReturn(**measured),
         )

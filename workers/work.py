@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from workers.assignment import Assignment
 from workers.run_spec import RunSpec
 
 
@@ -12,21 +13,26 @@ class Work:
     """A cohort to train.
 
     cohort                names it in every report; never given twice
-    specs                 its runs
+    runs                  its runs
     measure_random_return measure that of its task first
     note                  plain values, for whoever hears of the cohort and did not assign it
     """
 
     cohort: str
-    specs: tuple[RunSpec, ...]
+    runs: tuple[Assignment, ...]
     measure_random_return: bool = False
     note: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def specs(self) -> tuple[RunSpec, ...]:
+        """The runs' specs."""
+        return tuple(run.spec for run in self.runs)
 
     def to_json(self) -> dict[str, Any]:
         """Plain values; `from_json` gives an equal one back."""
         return {
             "cohort": self.cohort,
-            "specs": [spec.to_json() for spec in self.specs],
+            "runs": [run.to_json() for run in self.runs],
             "measure_random_return": self.measure_random_return,
             "note": dict(self.note),
         }
@@ -36,7 +42,7 @@ class Work:
         """Read what `to_json` wrote."""
         return cls(
             document["cohort"],
-            tuple(RunSpec.from_json(spec) for spec in document["specs"]),
+            tuple(Assignment.from_json(run) for run in document["runs"]),
             document["measure_random_return"],
             document["note"],
         )

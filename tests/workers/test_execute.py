@@ -1,21 +1,30 @@
 """Executing a cohort: what is said, when, and how it ends."""
 
+import errno
+import math
+import os
 import threading
 import time
 from collections.abc import Callable, Collection, Sequence
+from contextlib import suppress
+from functools import partial
+from pathlib import Path
 
 import pytest
 
 from tests.workers.fake_learner import CYCLE, FakeLearner, measurement_of
-from workers import cohort
+from workers import cadence, cohort, sealed_file
 from workers import execute as module
+from workers.assignment import Assignment
 from workers.execute import execute
-from workers.progress import Activity, Progress
+from workers.progress import Activity, Progress, Resumption
 from workers.random_play import measure_random_return
 from workers.run_spec import RunSpec
 
 TIMESTEPS = 10 * CYCLE
 SPECS = [RunSpec("fake", "Pendulum", seed, timesteps=TIMESTEPS) for seed in (3, 5, 8)]
+NOWHERE = Path("/nowhere")
+"""For runs too short for a checkpoint."""
 Before = Callable[[int], Collection[int]]
 
 
@@ -24,6 +33,13 @@ def pause(timestep: int) -> Collection[int]:
     del timestep
     time.sleep(0.001)
     return ()
+
+
+def assigned(specs: Sequence[RunSpec]) -> list[Assignment]:
+    return [Assignment(f"run-{spec.seed}", 1, spec) for spec in specs]
+
+
+RUNS = assigned(SPECS)
 
 
 def never() -> None:
@@ -37,7 +53,13 @@ def run(
 ) -> list[Progress]:
     """All progress of a cohort of fake runs."""
     return list(
-        execute(specs, dropped, never, build_learner=lambda specs: FakeLearner(specs, before_cycle))
+        execute(
+            assigned(specs),
+            NOWHERE,
+            dropped,
+            never,
+            build_learner=lambda specs: FakeLearner(specs, before_cycle),
+        )
     )
 
 
@@ -56,11 +78,12 @@ def test_every_measurement_is_said_once() -> None:
     assert said[-1].timestep == TIMESTEPS
 
 
-def test_the_first_has_the_fingerprint_and_no_other() -> None:
-    first, *rest = run()
-    assert (first.timestep, first.activity) == (0, Activity.COMPILING)
-    assert first.fingerprint["code"]
-    assert not any(progress.fingerprint for progress in rest)
+def test_one_has_the_fingerprint_and_where_all_began() -> None:
+    said = run()
+    assert (said[0].timestep, said[0].activity) == (0, Activity.COMPILING)
+    [begun] = [progress for progress in said if progress.fingerprint]
+    assert begun.fingerprint["code"]
+    assert begun.resumed == tuple(Resumption(seed, 0) for seed in (3, 5, 8))
 
 
 def test_the_end_is_said_at_once() -> None:
@@ -80,7 +103,11 @@ def test_is_heard_while_a_kernel_compiles(monkeypatch: pytest.MonkeyPatch) -> No
 
     heard = []
     for progress in execute(
-        SPECS, tuple, never, build_learner=lambda specs: FakeLearner(specs, compile_first)
+        assigned(SPECS),
+        NOWHERE,
+        tuple,
+        never,
+        build_learner=lambda specs: FakeLearner(specs, compile_first),
     ):
         heard.append(progress)
         if len(heard) == 5:
@@ -126,14 +153,25 @@ def test_an_error_comes_after_what_was_measured_before_it() -> None:
         return ()
 
     said: list[Progress] = []
-    stream = execute(SPECS, tuple, never, build_learner=lambda specs: FakeLearner(specs, fail))
+    stream = execute(
+        RUNS, NOWHERE, tuple, never, build_learner=lambda specs: FakeLearner(specs, fail)
+    )
     with pytest.raises(ZeroDivisionError, match="in the learner"):
         said.extend(stream)
     assert points(said, 3) == [CYCLE, 2 * CYCLE]
 
 
 def test_measures_the_random_return_where_asked() -> None:
-    said = list(execute(SPECS, tuple, never, measure_random_return=True, build_learner=FakeLearner))
+    said = list(
+        execute(
+            assigned(SPECS),
+            NOWHERE,
+            tuple,
+            never,
+            measure_random_return=True,
+            build_learner=FakeLearner,
+        )
+    )
     measured = [p.random_return for p in said if p.random_return is not None]
     assert measured == [measure_random_return("Pendulum")]
 
@@ -151,7 +189,7 @@ def test_stops_training_when_its_stream_is_closed() -> None:
         return learners[0]
 
     endless = [RunSpec("fake", "Pendulum", 0, timesteps=10**9)]
-    stream = execute(endless, tuple, never, build_learner=build)
+    stream = execute(assigned(endless), NOWHERE, tuple, never, build_learner=build)
     next(stream)
     next(stream)
     stream.close()
@@ -163,7 +201,8 @@ def test_stops_itself_when_nobody_listens(monkeypatch: pytest.MonkeyPatch) -> No
     abandoned = threading.Event()
     endless = [RunSpec("fake", "Pendulum", 0, timesteps=10**9)]
     stream = execute(
-        endless,
+        assigned(endless),
+        NOWHERE,
         tuple,
         abandoned.set,
         build_learner=lambda specs: FakeLearner(specs, pause),
@@ -174,3 +213,86 @@ def test_stops_itself_when_nobody_listens(monkeypatch: pytest.MonkeyPatch) -> No
     with pytest.raises(cohort.AbandonedError, match="nobody collected the news"):
         for _ in stream:
             pass
+
+
+class CutError(Exception):
+    """The end of a worker."""
+
+
+def cut_at(cycle: int) -> Before:
+    def cut(timestep: int) -> Collection[int]:
+        if timestep == cycle * CYCLE:
+            raise CutError
+        return ()
+
+    return cut
+
+
+def attempts_of(
+    root: Path, cuts: Sequence[int], specs: Sequence[RunSpec] = SPECS, *, is_last: bool = True
+) -> list[list[Progress]]:
+    """What is said in one attempt after the other, each cut before a cycle, the last one not."""
+    befores = [*map(cut_at, cuts), *([lambda _: ()] if is_last else [])]
+    said: list[list[Progress]] = []
+    for attempt, before in enumerate(befores, start=1):
+        runs = [Assignment(f"run-{spec.seed}", attempt, spec) for spec in specs]
+        build = partial(FakeLearner, before_cycle=before)
+        said.append([])
+        with suppress(CutError):
+            said[-1].extend(execute(runs, root, tuple, never, build_learner=build))
+    return said
+
+
+@pytest.fixture
+def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A checkpoint after every cycle."""
+    monkeypatch.setattr(cadence, "SHORTEST_SECONDS", 0.0)
+    monkeypatch.setattr(cadence, "SHARE", math.inf)
+
+
+@pytest.mark.usefixtures("hasty")
+def test_a_run_is_taken_up_at_its_checkpoint_with_all_it_had_measured(tmp_path: Path) -> None:
+    first, second, third = attempts_of(tmp_path, [4, 7])
+    assert [r.timestep for p in first for r in p.resumed] == [0, 0, 0]
+    assert {c.timestep for p in first for c in p.checkpoints} == {100, 200, 300, 400}
+    for said, timestep in ((second, 400), (third, 700)):
+        [begun] = [p for p in said if p.resumed]
+        assert begun.resumed == tuple(Resumption(seed, timestep) for seed in (3, 5, 8))
+        assert begun.fingerprint["code"]
+        assert points([begun], 5)[: timestep // CYCLE] == list(range(CYCLE, timestep + 1, CYCLE))
+    assert points(third, 8) == list(range(CYCLE, TIMESTEPS + 1, CYCLE))
+
+
+@pytest.mark.usefixtures("hasty")
+def test_runs_left_at_other_timesteps_are_trained_group_by_group(tmp_path: Path) -> None:
+    attempts_of(tmp_path, [4], SPECS[:1], is_last=False)
+    attempts_of(tmp_path, [7], SPECS[1:2], is_last=False)
+    [said] = attempts_of(tmp_path, [])
+    [begun] = [p for p in said if p.resumed]
+    assert [(r.seed, r.timestep) for r in begun.resumed] == [(3, 400), (5, 700), (8, 0)]
+    for spec in SPECS:
+        assert points(said, spec.seed) == list(range(CYCLE, TIMESTEPS + 1, CYCLE))
+    assert [seed for p in said for seed in p.finished] == [5, 3, 8]
+    assert all(len(p.training) == 1 for p in said if p.activity is Activity.TRAINING)
+
+
+@pytest.mark.usefixtures("hasty")
+def test_a_run_that_waits_for_its_group_can_be_dropped(tmp_path: Path) -> None:
+    attempts_of(tmp_path, [4], SPECS[:1], is_last=False)
+    said = list(execute(RUNS, tmp_path, lambda: {8}, never, build_learner=FakeLearner))
+    assert [seed for p in said for seed in p.dropped] == [8]
+    assert [seed for p in said for seed in p.finished] == [3, 5]
+
+
+@pytest.mark.usefixtures("hasty")
+def test_a_checkpoint_that_does_not_fit_is_told_and_training_goes_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(path: Path, payload: bytes) -> str:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(sealed_file, "write", full)
+    [said] = attempts_of(tmp_path, [])
+    assert [seed for p in said for seed in p.finished] == [3, 5, 8]
+    problems = {c.problem for p in said for c in p.checkpoints if c.timestep == 300}
+    assert problems == {"its checkpoint of step 300 could not be written: No space left on device"}

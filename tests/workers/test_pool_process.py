@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 
 from tests.workers.processes import listening_beyond_loopback, processes_with
+from workers.assignment import Assignment
+from workers.checkpoint import find_snapshot
 from workers.pool import PoolUnavailableError
 from workers.pool_process import PoolProcess, PoolSettings, pool_environment
 from workers.report import Busy, Ended, Failed, Lost, News, Ready, Report
@@ -22,11 +24,15 @@ ENDLESS = [RunSpec("ddpg", "Pendulum", seed, timesteps=10**8) for seed in range(
 PATIENCE_SECONDS = 240.0  # kernels may have to be compiled first
 
 
+def assigned(specs: list[RunSpec]) -> list[Assignment]:
+    return [Assignment(f"run-{spec.seed}", 1, spec) for spec in specs]
+
+
 class Heard:
     """A pool with all that it has reported."""
 
     def __init__(self, folder: Path) -> None:
-        self.settings = PoolSettings(workers=2, ray_address="", data_dir=folder)
+        self.settings = PoolSettings(2, "", folder, folder / "checkpoints")
         self.pool = PoolProcess(self.settings)
         self.reports: list[Report] = []
         self.cohorts = 0
@@ -52,7 +58,7 @@ class Heard:
         """Have specs trained; the cohort's name."""
         self.cohorts += 1
         cohort = f"cohort-{self.cohorts}"
-        work = Work(cohort, tuple(specs), measure, {"note": self.cohorts})
+        work = Work(cohort, tuple(assigned(specs)), measure, {"note": self.cohorts})
         self.pool.train(worker, work)
         return cohort
 
@@ -112,7 +118,9 @@ def test_trains_a_cohort(heard: Heard, workers: list[Ready]) -> None:
     points = [(m.seed, m.timestep) for progress in news for m in progress.measurements]
     assert sorted(points) == [(seed, step) for seed in range(4) for step in (800, 1600)]
     assert [seed for progress in news for seed in progress.finished] == [0, 1, 2, 3]
-    assert news[0].fingerprint["threads"] == "1"
+    assert [p.fingerprint["threads"] for p in news if p.fingerprint] == ["1"]
+    learned = [find_snapshot(heard.settings.checkpoints, f"run-{seed}") for seed in range(4)]
+    assert [snapshot and snapshot.timestep for snapshot in learned] == 4 * [1600]
     assert [p.random_return.environment for p in news if p.random_return] == ["Pendulum"]
 
 
@@ -187,7 +195,7 @@ def test_the_end_of_its_process_is_told_and_it_can_be_started_again(heard: Heard
 
 
 def test_says_why_it_cannot_be_had(tmp_path: Path) -> None:
-    pool = PoolProcess(PoolSettings(2, "127.0.0.1:1", tmp_path))
+    pool = PoolProcess(PoolSettings(2, "127.0.0.1:1", tmp_path, tmp_path))
     pool.start()
     with pytest.raises(PoolUnavailableError, match=r"Ray at 127\.0\.0\.1:1 did not answer in 20 s"):
         pool.reports(120.0)
@@ -205,7 +213,7 @@ def test_the_token_for_another_cluster_is_the_one_that_is_given(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("RAY_AUTH_TOKEN_PATH", "/elsewhere/token")
-    joined = pool_environment(PoolSettings(2, "10.0.0.1:6379", tmp_path))
+    joined = pool_environment(PoolSettings(2, "10.0.0.1:6379", tmp_path, tmp_path))
     assert (joined["RAY_AUTH_MODE"], joined["RAY_AUTH_TOKEN_PATH"]) == ("token", "/elsewhere/token")
-    own = pool_environment(PoolSettings(2, "", tmp_path))
+    own = pool_environment(PoolSettings(2, "", tmp_path, tmp_path))
     assert own["RAY_AUTH_TOKEN_PATH"] == str(tmp_path / "ray-token")

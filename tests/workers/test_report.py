@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from algorithms.measurement import Divergence, Measurement
-from workers.progress import Activity, Progress
+from workers.progress import Activity, CheckpointAttempt, Progress, Resumption
 from workers.random_return import RandomReturn
 from workers.report import Busy, Ended, Failed, Lost, News, Ready, Report, from_line, to_line
 
@@ -42,8 +42,12 @@ MEASUREMENTS = st.builds(
                 1600,
                 Activity.COMPILING,
                 diverged=(Divergence(1, 1500, 750, "critic loss"),),
+                training=(1, 2, 3, 4),
                 finished=(2, 3),
                 dropped=(4,),
+                resumed=(Resumption(2, 800, ("numpy was 2.3, now 2.4",), "not comparable"),),
+                checkpoints=(CheckpointAttempt(2, 1600, "the disk is full"),),
+                bytes_per_run=1_000_000,
                 fingerprint={"numpy": "2.4", "blas": ["openblas 1"]},
                 random_return=RandomReturn("Pendulum", 1, -1.5, -2.0, -1.0, 1000),
             ),

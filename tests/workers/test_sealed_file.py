@@ -1,0 +1,107 @@
+"""Sealed files: whole or refused."""
+
+import errno
+import os
+import pickle
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from workers import sealed_file
+from workers.sealed_file import DamagedError
+
+PAYLOAD = bytes(range(256)) * 3
+
+
+def test_gives_back_what_was_written(tmp_path: Path) -> None:
+    path = tmp_path / "file"
+    digest = sealed_file.write(path, PAYLOAD)
+    assert sealed_file.read(path) == sealed_file.read(path, digest) == PAYLOAD
+    assert [entry.name for entry in tmp_path.iterdir()] == ["file"]
+
+
+def test_cut_anywhere_it_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "file"
+    sealed_file.write(path, PAYLOAD)
+    whole = path.read_bytes()
+    for size in range(len(whole)):
+        path.write_bytes(whole[:size])
+        with pytest.raises(DamagedError, match="hash mismatch of file"):
+            sealed_file.read(path)
+
+
+def test_with_a_bit_flipped_anywhere_it_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "file"
+    sealed_file.write(path, PAYLOAD)
+    whole = path.read_bytes()
+    for place in [*range(sealed_file.DIGEST_SIZE), *range(sealed_file.DIGEST_SIZE + 1, len(whole))]:
+        path.write_bytes(whole[:place] + bytes([whole[place] ^ 4]) + whole[place + 1 :])
+        with pytest.raises(DamagedError, match="hash mismatch of file"):
+            sealed_file.read(path)
+
+
+def test_another_whole_file_is_refused(tmp_path: Path) -> None:
+    digest = sealed_file.write(tmp_path / "file", PAYLOAD)
+    sealed_file.write(tmp_path / "file", PAYLOAD[1:])
+    with pytest.raises(DamagedError, match="hash mismatch"):
+        sealed_file.read(tmp_path / "file", digest)
+    with pytest.raises(DamagedError, match="other is missing"):
+        sealed_file.read(tmp_path / "other")
+
+
+def test_a_failed_write_leaves_the_file_and_no_other(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sealed_file.write(tmp_path / "file", PAYLOAD)
+
+    def fail(descriptor: int) -> None:
+        raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+    with monkeypatch.context() as patched:
+        patched.setattr(os, "fsync", fail)
+        with pytest.raises(OSError, match="Input/output"):
+            sealed_file.write(tmp_path / "file", b"other")
+    assert sealed_file.read(tmp_path / "file") == PAYLOAD
+    assert [entry.name for entry in tmp_path.iterdir()] == ["file"]
+
+
+def test_arrays_survive_to_the_bit() -> None:
+    arrays = {
+        "a/theta": np.array([0.1, np.nan, np.inf, -0.0], np.float32),
+        "count": np.array(2**60),
+        "ends": np.array([[True], [False]]),
+        "none": np.empty((0, 3)),
+    }
+    found = sealed_file.unpacked(sealed_file.packed(arrays))
+    assert found.keys() == arrays.keys()
+    for name, array in arrays.items():
+        np.testing.assert_array_equal(found[name], array, strict=True)
+
+
+class Hostile:
+    """A pickle that runs code when it is read."""
+
+    def __init__(self, canary: Path) -> None:
+        self.canary = canary
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Path.touch, (self.canary,)
+
+
+def test_a_pickle_is_refused_and_no_code_of_it_runs(tmp_path: Path) -> None:
+    canary = tmp_path / "canary"
+    within = tmp_path / "arrays.npz"
+    np.savez(within, a=np.array([Hostile(canary)], dtype=object))
+    for payload in (pickle.dumps(Hostile(canary)), within.read_bytes(), b"", b"PK\x03\x04"):
+        with pytest.raises(DamagedError, match="refused"):
+            sealed_file.unpacked(payload)
+    assert not canary.exists()
+    pickle.loads(pickle.dumps(Hostile(canary)))  # noqa: S301  (it would have run)
+    assert canary.exists()
+
+
+def test_objects_are_not_written() -> None:
+    with pytest.raises(ValueError, match="allow_pickle=False"):
+        sealed_file.packed({"a": np.array([{}], dtype=object)})

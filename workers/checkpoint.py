@@ -1,0 +1,209 @@
+"""Checkpoints of a run: where a worker leaves it, so that another takes it up to the same bits.
+
+    <checkpoints>/<run id>/2-4800.manifest    attempt 2 at timestep 4800 (workers.manifest)
+                           2-4800.state       what the next bits depend on
+                           2-4800.journal     what was lived through since the checkpoint before
+                           policy             what was learned (algorithms.snapshot)
+
+All are sealed files. The manifest is written last and names every part with its digest, so what can
+be read is whole. The last two checkpoints are kept; where the newest is damaged, the one before
+serves. A worker that was given up may go on writing for a while: it writes under its own attempt's
+number and removes nothing of later ones.
+
+Which checkpoint serves: one of the same spec, made by the same code. One from another machine or
+other libraries serves too, but the run's bits are then of two kinds, and it is marked so. One of
+other code does not: nobody knows what that code would make of it.
+
+This module is the only one that knows where checkpoints lie.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from algorithms.learner import Learner
+from algorithms.measurement import Measurement
+from algorithms.snapshot import Snapshot, snapshot_of
+from algorithms.state import Saved, State
+from workers import sealed_file
+from workers.assignment import Assignment
+from workers.manifest import Manifest, Part, spec_digest
+from workers.sealed_file import DamagedError
+
+POLICY = "policy"
+NAME = re.compile(r"(?P<attempt>\d+)-(?P<timestep>\d+)\.")
+
+
+@dataclass(frozen=True)
+class Found:
+    """Where a run is taken up.
+
+    timestep      0 where it begins anew
+    saved         None there
+    measurements  all up to there
+    mixed_with    how the machines that trained it so far differ from this one
+    note          what there is to say about it, a sentence; mostly empty
+    """
+
+    timestep: int = 0
+    saved: Saved | None = None
+    measurements: Sequence[Measurement] = ()
+    mixed_with: Sequence[str] = ()
+    note: str = ""
+
+
+class Checkpoints:
+    """Those of one run, as its worker reads and writes them."""
+
+    def __init__(self, root: Path, assignment: Assignment, fingerprint: Mapping[str, Any]) -> None:
+        """Read and write nothing yet. Raises ValueError for a name that is none."""
+        self._folder = _folder(root, assignment.run_id)
+        self._attempt = assignment.attempt
+        self._seed = assignment.spec.seed
+        self._spec = spec_digest(assignment.spec)
+        self._fingerprint = fingerprint
+        self._mixed_with: Sequence[str] = ()
+        self._kept: list[Manifest] = []  # the last two, the newer one last
+
+    def find(self) -> Found:
+        """Find the newest checkpoint that serves."""
+        problems: list[str] = []
+        for path in _newest_first(self._folder):
+            try:
+                manifest = Manifest.from_text(sealed_file.read(path))
+                if refusal := self._refusal(manifest):
+                    problems.append(refusal)
+                else:
+                    return self._take_up(manifest, self._saved(manifest), problems)
+            except DamagedError as damage:
+                which = "the one before" if problems else "newest checkpoint"
+                problems.append(f"{which} damaged ({damage})")
+        said = list(dict.fromkeys(problems))
+        return Found(note=", ".join([*said, "begun again from step 0"]) if said else "")
+
+    def save(self, learner: Learner, measurements: Sequence[Measurement]) -> None:
+        """Write a checkpoint. Raises OSError; the one before stands then."""
+        timestep, before = learner.timestep, self._kept[-1] if self._kept else None
+        self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        try:
+            state = self._write("state", timestep, learner.state(self._seed))
+            rows = learner.journal(self._seed, 0 if before is None else before.timestep)
+            journal = [] if before is None else [*before.journal]
+            if rows:
+                journal.append(self._write("journal", timestep, rows))
+            manifest = Manifest(
+                spec=self._spec,
+                timestep=timestep,
+                fingerprint=self._fingerprint,
+                mixed_with=self._mixed_with,
+                state=state,
+                journal=journal,
+                measurements=list(measurements),
+            )
+            sealed_file.write(self._path(timestep, "manifest"), manifest.to_text())
+            sealed_file.bring_to_disk(self._folder)
+            self._kept = [*self._kept[-1:], manifest]
+        finally:
+            self._remove_what_is_not_kept()
+
+    def save_policy(self, learner: Learner) -> None:
+        """Write what has been learned, where there is such a thing. Raises OSError."""
+        snapshot = learner.snapshot(self._seed)
+        if snapshot is not None:
+            self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+            sealed_file.write(self._folder / POLICY, sealed_file.packed(snapshot.arrays()))
+            sealed_file.bring_to_disk(self._folder)
+
+    def _take_up(self, manifest: Manifest, saved: Saved, problems: Sequence[str]) -> Found:
+        differing = _differences(self._fingerprint, manifest.fingerprint)
+        self._mixed_with = [*manifest.mixed_with, *differing]
+        self._kept = [manifest]
+        said = [*problems, f"resumed from step {manifest.timestep}"] if problems else []
+        if self._mixed_with:
+            said.append(f"not bit-comparable: {'; '.join(self._mixed_with)}")
+        return Found(
+            manifest.timestep, saved, manifest.measurements, self._mixed_with, ", ".join(said)
+        )
+
+    def _refusal(self, manifest: Manifest) -> str:
+        if manifest.spec != self._spec:
+            return "its checkpoint is of another spec"
+        if manifest.fingerprint.get("code") != self._fingerprint["code"]:
+            return "its checkpoint was made by other code"
+        return ""
+
+    def _saved(self, manifest: Manifest) -> Saved:
+        pieces = [self._unpacked(part) for part in manifest.journal]
+        return Saved(self._unpacked(manifest.state), _joined(pieces))
+
+    def _unpacked(self, part: Part) -> State:
+        return sealed_file.unpacked(sealed_file.read(self._folder / part.file, part.digest))
+
+    def _write(self, kind: str, timestep: int, arrays: State) -> Part:
+        path = self._path(timestep, kind)
+        return Part(path.name, sealed_file.write(path, sealed_file.packed(arrays)))
+
+    def _path(self, timestep: int, kind: str) -> Path:
+        return self._folder / f"{self._attempt}-{timestep}.{kind}"
+
+    def _remove_what_is_not_kept(self) -> None:
+        """Remove what the last two checkpoints do not need, but nothing of later attempts."""
+        needed = set[str]().union(*(manifest.files for manifest in self._kept))
+        needed |= {Path(m.state.file).with_suffix(".manifest").name for m in self._kept}
+        for path in self._folder.iterdir():
+            named = NAME.match(path.name)
+            if named and path.name not in needed and int(named["attempt"]) <= self._attempt:
+                path.unlink(missing_ok=True)
+
+
+def find_snapshot(root: Path, run_id: str) -> Snapshot | None:
+    """What a run has learned, as of its last checkpoint or its end; None where there is nothing.
+
+    Raises ValueError for a name that is none, DamagedError.
+    """
+    path = _folder(root, run_id) / POLICY
+    return snapshot_of(sealed_file.unpacked(sealed_file.read(path))) if path.exists() else None
+
+
+def remove(root: Path, run_id: str) -> None:
+    """Remove the checkpoints of a run that has ended; its policy stays."""
+    folder = _folder(root, run_id)
+    if folder.exists():
+        for path in folder.iterdir():
+            if path.name != POLICY:
+                path.unlink(missing_ok=True)
+
+
+def _folder(root: Path, run_id: str) -> Path:
+    if not re.fullmatch(r"[\w-]+", run_id, re.ASCII):
+        raise ValueError(f"a run's name is no path, got {run_id!r}")
+    return root / run_id
+
+
+def _newest_first(folder: Path) -> list[Path]:
+    """The manifests: of later attempts, then of later timesteps first."""
+    found = [
+        (int(named["attempt"]), int(named["timestep"]), path)
+        for path in folder.glob("*.manifest")
+        if (named := NAME.match(path.name))
+    ]
+    return [path for *_, path in sorted(found, reverse=True)]
+
+
+def _joined(pieces: Sequence[State]) -> State:
+    """Pieces of a journal as one."""
+    names = pieces[0] if pieces else {}
+    return {name: np.concatenate([piece[name] for piece in pieces]) for name in names}
+
+
+def _differences(own: Mapping[str, Any], other: Mapping[str, Any]) -> list[str]:
+    """What differs between this machine and another, in words."""
+    return [
+        f"{name} was {other.get(name)}, now {own.get(name)}"
+        for name in sorted({*own, *other})
+        if own.get(name) != other.get(name)
+    ]
