@@ -8,6 +8,7 @@ from pathlib import Path
 from fastapi import FastAPI
 
 from service.app import create_app
+from service.checkpoint_removal import CheckpointRemoval
 from service.dispatch import Dispatcher
 from service.settings import Settings
 from service.store.store import Store
@@ -37,10 +38,13 @@ def wired(settings: Settings) -> Iterator[FastAPI]:
             )
             dispatcher = Dispatcher(store, pool)
             app = create_app(settings, store, dispatcher)
+            removal = CheckpointRemoval(store, settings.checkpoints)
             dispatcher.start()
+            removal.start()
             try:
                 yield app
             finally:
+                removal.stop()
                 dispatcher.stop()
         finally:
             store.close()

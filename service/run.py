@@ -51,6 +51,9 @@ class Run:
     is_cancelling       cancelling was asked for and its worker has not stopped yet
     environment_version version of the task's numbers under which it was submitted
     fingerprint         of the machine and code that trains it; None before the first report
+    checkpoint_timestep of its newest checkpoint; 0 where there is none, as after its end
+    resumed_timestep    where the current attempt took it up; None until its worker says
+    memory_bytes        that it may come to fill in its worker; None until that is known
     """
 
     id: str
@@ -66,6 +69,9 @@ class Run:
     started_at: float | None
     finished_at: float | None
     fingerprint: Mapping[str, Any] | None
+    checkpoint_timestep: int
+    resumed_timestep: int | None
+    memory_bytes: int | None
 
 
 @dataclass(frozen=True)
@@ -74,6 +80,7 @@ class Attempt:
 
     outcome is "running", "succeeded", "failed", "diverged", "cancelled" or "lost" (the worker or
     its lease); error is a traceback or a sentence, log_tail the last lines the worker printed.
+    resumed_timestep says where it took the run up, note what there was to say of its checkpoints.
     """
 
     attempt: int
@@ -84,3 +91,5 @@ class Attempt:
     started_at: float
     ended_at: float | None
     fingerprint: Mapping[str, Any] | None
+    resumed_timestep: int | None
+    note: str

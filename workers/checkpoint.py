@@ -13,11 +13,8 @@ number and removes nothing of later ones.
 Which checkpoint serves: one of the same spec, made by the same code. One from another machine or
 other libraries serves too, but the run's bits are then of two kinds, and it is marked so. One of
 other code does not: nobody knows what that code would make of it.
-
-This module is the only one that knows where checkpoints lie.
 """
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,11 +28,9 @@ from algorithms.snapshot import Snapshot, snapshot_of
 from algorithms.state import Saved, State
 from workers import sealed_file
 from workers.assignment import Assignment
+from workers.checkpoint_folder import NAME, POLICY, folder_of, newest_first
 from workers.manifest import Manifest, Part, spec_digest
 from workers.sealed_file import DamagedError
-
-POLICY = "policy"
-NAME = re.compile(r"(?P<attempt>\d+)-(?P<timestep>\d+)\.")
 
 
 @dataclass(frozen=True)
@@ -61,7 +56,7 @@ class Checkpoints:
 
     def __init__(self, root: Path, assignment: Assignment, fingerprint: Mapping[str, Any]) -> None:
         """Read and write nothing yet. Raises ValueError for a name that is none."""
-        self._folder = _folder(root, assignment.run_id)
+        self._folder = folder_of(root, assignment.run_id)
         self._attempt = assignment.attempt
         self._seed = assignment.spec.seed
         self._spec = spec_digest(assignment.spec)
@@ -72,7 +67,7 @@ class Checkpoints:
     def find(self) -> Found:
         """Find the newest checkpoint that serves."""
         problems: list[str] = []
-        for path in _newest_first(self._folder):
+        for path in newest_first(self._folder):
             try:
                 manifest = Manifest.from_text(sealed_file.read(path))
                 if refusal := self._refusal(manifest):
@@ -165,33 +160,8 @@ def find_snapshot(root: Path, run_id: str) -> Snapshot | None:
 
     Raises ValueError for a name that is none, DamagedError.
     """
-    path = _folder(root, run_id) / POLICY
+    path = folder_of(root, run_id) / POLICY
     return snapshot_of(sealed_file.unpacked(sealed_file.read(path))) if path.exists() else None
-
-
-def remove(root: Path, run_id: str) -> None:
-    """Remove the checkpoints of a run that has ended; its policy stays."""
-    folder = _folder(root, run_id)
-    if folder.exists():
-        for path in folder.iterdir():
-            if path.name != POLICY:
-                path.unlink(missing_ok=True)
-
-
-def _folder(root: Path, run_id: str) -> Path:
-    if not re.fullmatch(r"[\w-]+", run_id, re.ASCII):
-        raise ValueError(f"a run's name is no path, got {run_id!r}")
-    return root / run_id
-
-
-def _newest_first(folder: Path) -> list[Path]:
-    """The manifests: of later attempts, then of later timesteps first."""
-    found = [
-        (int(named["attempt"]), int(named["timestep"]), path)
-        for path in folder.glob("*.manifest")
-        if (named := NAME.match(path.name))
-    ]
-    return [path for *_, path in sorted(found, reverse=True)]
 
 
 def _joined(pieces: Sequence[State]) -> State:

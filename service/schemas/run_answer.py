@@ -44,6 +44,9 @@ class RunAnswer(BaseModel):
                     "started_at": "2026-11-24T09:30:02.020000Z",
                     "finished_at": None,
                     "fingerprint": {"numpy": "2.4.6"},
+                    "resumed_timestep": 0,
+                    "checkpoint_timestep": 4_300,
+                    "memory_bytes": 2_400_000,
                     "links": {"self": "/api/v1/runs/3f9a0c51b7de-17"},
                 }
             ]
@@ -67,7 +70,15 @@ class RunAnswer(BaseModel):
     created_at: datetime
     started_at: datetime | None
     finished_at: datetime | None
-    fingerprint: Mapping[str, Any] | None
+    fingerprint: Mapping[str, Any] | None = Field(
+        description="What the bits depend on; mixed_with says how machines of earlier attempts "
+        "differed, whose bits the curve begins with."
+    )
+    resumed_timestep: int | None = Field(
+        description="Where the current attempt took the run up; null until its worker says."
+    )
+    checkpoint_timestep: int = Field(description="Of its newest checkpoint; 0 where it has none.")
+    memory_bytes: int | None = Field(description="What it may come to fill in its worker.")
     links: dict[str, str]
 
     @classmethod
@@ -94,6 +105,9 @@ class RunAnswer(BaseModel):
             started_at=None if run.started_at is None else as_time(run.started_at),
             finished_at=None if run.finished_at is None else as_time(run.finished_at),
             fingerprint=run.fingerprint,
+            resumed_timestep=run.resumed_timestep,
+            checkpoint_timestep=run.checkpoint_timestep,
+            memory_bytes=run.memory_bytes,
             links={
                 "self": link,
                 "sweep": f"/api/v1/sweeps/{run.sweep_id}",
@@ -125,6 +139,8 @@ class AttemptAnswer(BaseModel):
     started_at: datetime
     ended_at: datetime | None
     fingerprint: Mapping[str, Any] | None
+    resumed_timestep: int | None = Field(description="Where it took the run up.")
+    note: str = Field(description="What there was to say of its checkpoints; mostly empty.")
 
     @classmethod
     def of(cls, attempt: Attempt) -> Self:
@@ -138,6 +154,8 @@ class AttemptAnswer(BaseModel):
             started_at=as_time(attempt.started_at),
             ended_at=None if attempt.ended_at is None else as_time(attempt.ended_at),
             fingerprint=attempt.fingerprint,
+            resumed_timestep=attempt.resumed_timestep,
+            note=attempt.note,
         )
 
 

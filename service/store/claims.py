@@ -36,7 +36,8 @@ def claim(connection: Connection, worker: str, lease_seconds: float, limit: int)
     """Claim up to `limit` queued runs of one cell, or None when nothing waits.
 
     The sweep: highest priority, then fewest running runs, then longest not served, then oldest.
-    In it: the first waiting run, and others of its cell.
+    In it: the first waiting run, and others of its cell that were left at the same timestep, for
+    those train together.
     """
     of_sweep = runs.c.sweep_number == sweeps.c.number
     running = select(func.count()).where(of_sweep, is_running).correlate(sweeps).scalar_subquery()
@@ -56,7 +57,8 @@ def claim(connection: Connection, worker: str, lease_seconds: float, limit: int)
             status=RunStatus.RUNNING,
             reason="",
             attempt=runs.c.attempt + 1,
-            timestep=0,
+            timestep=runs.c.checkpoint_timestep,
+            resumed_timestep=None,
             lease_until=now() + lease_seconds,
             started_at=func.coalesce(runs.c.started_at, now()),
         )
@@ -99,7 +101,7 @@ def claim(connection: Connection, worker: str, lease_seconds: float, limit: int)
 def _cohort(connection: Connection, sweep_number: int, limit: int) -> list[int]:
     of_sweep = runs.c.sweep_number == sweep_number
     first = connection.execute(
-        select(runs.c.number, runs.c.cell, runs.c.losses)
+        select(runs.c.number, runs.c.cell, runs.c.losses, runs.c.checkpoint_timestep)
         .where(of_sweep, is_waiting)
         .order_by(runs.c.ordinal)
         .limit(1)
@@ -108,7 +110,13 @@ def _cohort(connection: Connection, sweep_number: int, limit: int) -> list[int]:
         return [first.number]
     query = (
         select(runs.c.number)
-        .where(of_sweep, is_waiting, runs.c.cell == first.cell, runs.c.losses < ALONE_AFTER)
+        .where(
+            of_sweep,
+            is_waiting,
+            runs.c.cell == first.cell,
+            runs.c.losses < ALONE_AFTER,
+            runs.c.checkpoint_timestep == first.checkpoint_timestep,
+        )
         .order_by(runs.c.ordinal)
         .limit(limit)
     )

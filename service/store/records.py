@@ -3,16 +3,16 @@
 from collections.abc import Mapping
 from typing import Any
 
-from sqlalchemy import Connection, Row, delete, update
+from sqlalchemy import Connection, Row, update
 
 from service.claim import Claim
 from service.run import RunStatus
-from service.store import endings, events, random_returns
+from service.store import checkpoints, endings, events, random_returns
 from service.store import measurements as points
 from service.store.claims import held_runs
 from service.store.column_types import now
-from service.store.tables import attempts, measurements, runs
-from workers.progress import Progress
+from service.store.tables import runs
+from workers.progress import Activity, Progress
 
 
 def record(connection: Connection, claim: Claim, progress: Progress) -> set[str]:
@@ -28,13 +28,10 @@ def record(connection: Connection, claim: Claim, progress: Progress) -> set[str]
     if progress.random_return is not None:
         random_returns.put(connection, progress.random_return)
     if progress.fingerprint:
-        _fingerprint(connection, held, progress.fingerprint)
-    connection.execute(
-        update(runs)
-        .where(runs.c.number.in_([row.number for row in held.values()]))
-        .values(lease_until=now() + claim.lease_seconds, timestep=progress.timestep)
-    )
+        checkpoints.begin(connection, by_seed, progress)
+    _go_on(connection, claim, by_seed, progress)
     _measure(connection, held, by_seed, progress)
+    checkpoints.note(connection, by_seed, progress.checkpoints)
     for seed in progress.finished:
         if row := by_seed.get(seed):
             endings.end(connection, row, RunStatus.SUCCEEDED, "", timestep=row.timesteps)
@@ -47,11 +44,31 @@ def record(connection: Connection, claim: Claim, progress: Progress) -> set[str]
             endings.end(connection, row, RunStatus.DIVERGED, reason, timestep=divergence.timestep)
     for seed in progress.dropped:
         if (row := by_seed.get(seed)) and row.is_cancelling:
-            endings.end(
-                connection, row, RunStatus.CANCELLED, endings.STOPPED, timestep=progress.timestep
-            )
+            reached = progress.timestep if seed in in_training(progress, by_seed) else row.timestep
+            endings.end(connection, row, RunStatus.CANCELLED, endings.STOPPED, timestep=reached)
     gone = {*progress.finished, *progress.dropped, *(d.seed for d in progress.diverged)}
     return {run_id for run_id, row in held.items() if row.seed not in gone}
+
+
+def _go_on(
+    connection: Connection, claim: Claim, by_seed: Mapping[int, Row[Any]], progress: Progress
+) -> None:
+    """Renew the lease of all, and note how far those in training have come."""
+    numbers = [row.number for row in by_seed.values()]
+    lease: dict[str, Any] = {"lease_until": now() + claim.lease_seconds}
+    if progress.bytes_per_run:
+        lease["memory_bytes"] = progress.bytes_per_run
+    connection.execute(update(runs).where(runs.c.number.in_(numbers)).values(lease))
+    if progress.activity is Activity.TRAINING:
+        numbers = [by_seed[seed].number for seed in in_training(progress, by_seed)]
+        connection.execute(
+            update(runs).where(runs.c.number.in_(numbers)).values(timestep=progress.timestep)
+        )
+
+
+def in_training(progress: Progress, by_seed: Mapping[int, Row[Any]]) -> set[int]:
+    """Return the seeds that a progress's timestep is of."""
+    return set(progress.training or by_seed) & by_seed.keys()
 
 
 def _measure(
@@ -79,21 +96,3 @@ def _measure(
             if (steps := reached.get(row.number))
         ],
     )
-
-
-def _fingerprint(
-    connection: Connection, held: Mapping[str, Row[Any]], fingerprint: Mapping[str, Any]
-) -> None:
-    """Note what an attempt's bits depend on.
-
-    An earlier attempt with another fingerprint had other bits: its points go, so that a curve is
-    never made of two.
-    """
-    for row in held.values():
-        if row.fingerprint is not None and row.fingerprint != fingerprint:
-            connection.execute(delete(measurements).where(measurements.c.run_number == row.number))
-        for table, key in ((runs, runs.c.number), (attempts, attempts.c.run_number)):
-            query = update(table).where(key == row.number).values(fingerprint=fingerprint)
-            if table is attempts:
-                query = query.where(attempts.c.attempt == row.attempt)
-            connection.execute(query)

@@ -70,6 +70,8 @@ def history(connection: Connection, run_id: str) -> list[Attempt]:
             started_at=row.started_at,
             ended_at=row.ended_at,
             fingerprint=row.fingerprint,
+            resumed_timestep=row.resumed_timestep,
+            note=row.note,
         )
         for row in connection.execute(query)
     ]
@@ -105,10 +107,11 @@ def run_name(sweep_id: str, ordinal: int) -> str:
 
 def named(run_id: str) -> ColumnElement[bool]:
     """Return the condition that picks one run by its name; no run has a malformed name."""
-    return (sweeps.c.id == run_id.partition("-")[0]) & (runs.c.ordinal == _ordinal(run_id))
+    return (sweeps.c.id == run_id.partition("-")[0]) & (runs.c.ordinal == ordinal_of(run_id))
 
 
-def _ordinal(run_id: str) -> int:
+def ordinal_of(run_id: str) -> int:
+    """Return the run's place in its sweep; -1 for a malformed name."""
     digits = run_id.partition("-")[2]
     is_canonical = digits.isascii() and digits.isdigit() and digits == str(int(digits[:10]))
     return int(digits) if is_canonical and int(digits) < 2**31 else -1
@@ -135,6 +138,9 @@ def _run(row: Row[Any]) -> Run:
         started_at=row.started_at,
         finished_at=row.finished_at,
         fingerprint=row.fingerprint,
+        checkpoint_timestep=row.checkpoint_timestep,
+        resumed_timestep=row.resumed_timestep,
+        memory_bytes=row.memory_bytes,
     )
 
 

@@ -23,6 +23,7 @@ from service.metrics import MEASUREMENTS
 from service.run import Attempt, Run, RunStatus
 from service.run_curve import RunCurve
 from service.store import (
+    checkpoints,
     claims,
     costs,
     endings,
@@ -233,6 +234,15 @@ class Store:
         if not self._reader.read(claims.has_expired):  # usually: then nothing is written
             return 0
         return self._writer.write(lambda c: endings.lose_expired(c, self._retry))
+
+    def ended_with_checkpoints(self, limit: int) -> list[str]:
+        """Return runs that have ended and still have checkpoints."""
+        with self._readers.connect() as connection:
+            return checkpoints.of_ended(connection, limit)
+
+    def forget_checkpoints(self, run_ids: Sequence[str]) -> None:
+        """Note that these runs have no checkpoint any more."""
+        self._writer.write(lambda c: checkpoints.forget(c, run_ids))
 
     # ---- what was measured
 

@@ -86,6 +86,9 @@ runs = Table(
     Column("started_at", Double),
     Column("finished_at", Double),
     Column("fingerprint", Document),
+    Column("checkpoint_timestep", BigInteger, nullable=False, default=0, server_default="0"),
+    Column("resumed_timestep", BigInteger),  # NULL until the current attempt's worker says
+    Column("memory_bytes", BigInteger),
     UniqueConstraint("sweep_number", "ordinal"),
     CheckConstraint("(status = 'running') = (lease_until IS NOT NULL)", name="lease"),
     sqlite_autoincrement=True,
@@ -111,6 +114,14 @@ Index(
     sqlite_where=_running,
     postgresql_where=_running,
 )
+has_checkpoint = runs.c.checkpoint_timestep > literal(0, literal_execute=True)
+_checkpointed = text("checkpoint_timestep > 0")
+Index(
+    "ix_runs_checkpointed",
+    runs.c.status,
+    sqlite_where=_checkpointed,
+    postgresql_where=_checkpointed,
+)
 
 attempts = Table(
     "attempts",
@@ -124,6 +135,8 @@ attempts = Table(
     Column("started_at", Double, nullable=False, default=now()),
     Column("ended_at", Double),
     Column("fingerprint", Document),
+    Column("resumed_timestep", BigInteger),
+    Column("note", Text, nullable=False, default="", server_default=""),
 )
 
 diagnostic_sets = Table(

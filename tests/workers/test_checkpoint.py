@@ -15,9 +15,10 @@ from algorithms.measurement import Measurement
 from algorithms.policy import Policy
 from algorithms.snapshot import Critic, Snapshot
 from tests.workers.fake_learner import CYCLE, FakeLearner, measurement_of
-from workers import checkpoint, sealed_file
+from workers import sealed_file
 from workers.assignment import Assignment
 from workers.checkpoint import Checkpoints, Found, find_snapshot
+from workers.checkpoint_folder import remove_checkpoints
 from workers.run_spec import RunSpec
 
 SPEC = RunSpec("fake", "Pendulum", 3, timesteps=10_000)
@@ -203,10 +204,10 @@ def test_what_was_learned_outlives_the_checkpoints(
     checkpoints = checkpoints_of(tmp_path)
     assert find_snapshot(tmp_path, "run-3") is None
     checkpoints.save_policy(train(checkpoints, FakeLearner([SPEC]), 2))
-    checkpoint.remove(tmp_path, "run-3")
+    remove_checkpoints(tmp_path, "run-3")
     assert names(tmp_path) == {"policy"}
-    checkpoint.remove(tmp_path, "run-3")
-    checkpoint.remove(tmp_path, "run-4")
+    remove_checkpoints(tmp_path, "run-3")
+    remove_checkpoints(tmp_path, "run-4")
     found = find_snapshot(tmp_path, "run-3")
     assert found is not None
     assert (found.timestep, found.hidden, found.actions) == (200, 8, 1)

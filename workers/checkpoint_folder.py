@@ -1,0 +1,35 @@
+"""Where the checkpoints of a run lie, and what is removed of them when it has ended."""
+
+import re
+from pathlib import Path
+
+POLICY = "policy"
+"""What was learned; it outlives the checkpoints."""
+NAME = re.compile(r"(?P<attempt>\d+)-(?P<timestep>\d+)\.(manifest|state|journal)")
+"""A file of a checkpoint, finished or not."""
+
+
+def folder_of(root: Path, run_id: str) -> Path:
+    """The folder of a run. Raises ValueError for a name that is none."""
+    if not re.fullmatch(r"[\w-]+", run_id, re.ASCII):
+        raise ValueError(f"a run's name is no path, got {run_id!r}")
+    return root / run_id
+
+
+def newest_first(folder: Path) -> list[Path]:
+    """The manifests: of later attempts, then of later timesteps first."""
+    found = [
+        (int(named["attempt"]), int(named["timestep"]), path)
+        for path in folder.glob("*.manifest")
+        if (named := NAME.fullmatch(path.name))
+    ]
+    return [path for *_, path in sorted(found, reverse=True)]
+
+
+def remove_checkpoints(root: Path, run_id: str) -> None:
+    """Remove the checkpoints of a run that has ended; its policy stays."""
+    folder = folder_of(root, run_id)
+    if folder.exists():
+        for path in folder.iterdir():
+            if NAME.match(path.name):
+                path.unlink(missing_ok=True)
