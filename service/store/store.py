@@ -237,8 +237,7 @@ class Store:
 
     def ended_with_checkpoints(self, limit: int) -> list[str]:
         """Return runs that have ended and still have checkpoints."""
-        with self._readers.connect() as connection:
-            return checkpoints.of_ended(connection, limit)
+        return self._reader.read(lambda c: checkpoints.of_ended(c, limit))
 
     def forget_checkpoints(self, run_ids: Sequence[str]) -> None:
         """Note that these runs have no checkpoint any more."""

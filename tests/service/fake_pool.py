@@ -8,7 +8,6 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 
 from algorithms.measurement import Divergence, Measurement
-from workers.assignment import Assignment
 from workers.pool import PoolUnavailableError
 from workers.progress import Progress
 from workers.random_return import RandomReturn

@@ -488,7 +488,7 @@ class Simulation:
         """Final states never change, and an attempt is opened by a claim alone."""
         model, status = self.models[name], str(payload["status"])
         assert model.status not in FINAL, f"{name} was {model.status} and became {status}"
-        begins = status == RunStatus.RUNNING
+        begins = status == RunStatus.RUNNING != model.status
         assert payload["attempt"] == model.attempt + begins
         assert not begins or model.status == RunStatus.QUEUED
         model.status, model.attempt = status, model.attempt + begins

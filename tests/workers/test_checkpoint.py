@@ -12,7 +12,7 @@ import pytest
 
 from algorithms.learner import Learner
 from algorithms.measurement import Measurement
-from algorithms.policy import Policy
+from algorithms.policy import deterministic
 from algorithms.snapshot import Critic, Snapshot
 from tests.workers.fake_learner import CYCLE, FakeLearner, measurement_of
 from workers import sealed_file
@@ -199,7 +199,7 @@ def test_what_was_learned_outlives_the_checkpoints(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     theta, unit = np.arange(5, dtype=np.float32), np.ones(3, np.float32)
-    learned = Snapshot(200, 8, 1, Policy(theta, unit, unit), Critic(theta, -3.5, 2.5))
+    learned = Snapshot(200, 8, 1, deterministic(theta, unit, unit, 1), Critic(theta, -3.5, 2.5))
     monkeypatch.setattr(FakeLearner, "snapshot", lambda self, seed: learned)
     checkpoints = checkpoints_of(tmp_path)
     assert find_snapshot(tmp_path, "run-3") is None
