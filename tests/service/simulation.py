@@ -485,7 +485,10 @@ class Simulation:
                 model.measured |= fresh
 
     def check_move(self, name: str, payload: Mapping[str, Any]) -> None:
-        """Final states never change, and an attempt is opened by a claim alone."""
+        """Final states never change, and an attempt is opened by a claim alone.
+
+        An event that finds a run running tells more of its attempt: where it was taken up.
+        """
         model, status = self.models[name], str(payload["status"])
         assert model.status not in FINAL, f"{name} was {model.status} and became {status}"
         begins = status == RunStatus.RUNNING != model.status
