@@ -5,12 +5,14 @@ import sys
 
 import uvicorn
 from pydantic import ValidationError
+from sqlalchemy.exc import OperationalError
 
 from service.access_token import access_token, signin_link
-from service.bootstrap import DataDirInUseError, wired
+from service.bootstrap import wired
+from service.data_dir import DataDirInUseError
 from service.logs import configure_logging
 from service.settings import Settings
-from service.store.refusal import UnsafeSQLiteError
+from service.store.refusal import DatabaseInUseError, MissingDriverError, UnsafeSQLiteError
 
 SHUTDOWN_SECONDS = 2
 """How long open requests may take to end; then they are cut."""
@@ -38,8 +40,16 @@ def main() -> int:
                 log_config=None,
                 timeout_graceful_shutdown=SHUTDOWN_SECONDS,
             )
-    except (DataDirInUseError, UnsafeSQLiteError) as refusal:
+    except (
+        DataDirInUseError,
+        DatabaseInUseError,
+        MissingDriverError,
+        UnsafeSQLiteError,
+    ) as refusal:
         print(refusal, file=sys.stderr)  # noqa: T201
+        return 2
+    except OperationalError as error:
+        print(f"The database cannot be opened: {error.orig}", file=sys.stderr)  # noqa: T201
         return 2
     except KeyboardInterrupt:  # before it served, or once more while it was closing
         return 130

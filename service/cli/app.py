@@ -15,7 +15,7 @@ import typer
 import yaml
 from rich.console import Console
 
-from service.cli import demo
+from service.cli import db, demo
 from service.cli.following import follow
 from service.client import Client, ServiceError, find_token
 
@@ -25,6 +25,7 @@ app = typer.Typer(
     no_args_is_help=True,
     pretty_exceptions_enable=False,
 )
+app.add_typer(db.app)
 console = Console()
 
 SERVE_FLAGS = {

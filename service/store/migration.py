@@ -4,7 +4,11 @@ from pathlib import Path
 
 from alembic import command
 from alembic.config import Config
+from alembic.runtime.migration import MigrationContext
+from alembic.script import ScriptDirectory
 from sqlalchemy import Connection, Engine
+
+from service.store.refusal import OutdatedTablesError
 
 MIGRATIONS = Path(__file__).parent / "migrations"
 
@@ -19,6 +23,18 @@ def downgrade(engine: Engine, revision: str) -> None:
     """Undo migrations down to a revision ("base": all), all in one transaction."""
     with engine.begin() as connection:
         command.downgrade(_config(connection), revision)
+
+
+def refuse_outdated(engine: Engine) -> None:
+    """Raise OutdatedTablesError unless the tables are this version's."""
+    with engine.connect() as connection:
+        found = MigrationContext.configure(connection).get_current_revision()
+        newest = ScriptDirectory.from_config(_config(connection)).get_current_head()
+    if found != newest:
+        raise OutdatedTablesError(
+            f"the database's tables are those of revision {found or 'none'}, not {newest}: "
+            "run `d3pg db upgrade` on it first"
+        )
 
 
 def check(engine: Engine) -> None:

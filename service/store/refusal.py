@@ -21,5 +21,13 @@ class MissingDriverError(RuntimeError):
     """What talks to this kind of database is not installed."""
 
 
+class TransferError(RuntimeError):
+    """A copy of a database that would not be one; the text says what is wrong."""
+
+
+class OutdatedTablesError(RuntimeError):
+    """The database's tables are not this version's."""
+
+
 class DatabaseInUseError(RuntimeError):
     """Another service works on this database."""

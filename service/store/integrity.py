@@ -1,0 +1,63 @@
+"""Whether a database is whole: the database's own check, and what must hold between its rows."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from sqlalchemy import Connection, text
+
+# What must hold -> how many rows break it.
+INVARIANTS: Mapping[str, str] = {
+    "a running run holds a lease, no other does": """
+        SELECT count(*) FROM runs WHERE (status = 'running') <> (lease_until IS NOT NULL)""",
+    "a run waits, runs, or has ended and says when": """
+        SELECT count(*) FROM runs WHERE NOT CASE
+        WHEN status IN ('queued', 'paused', 'running') THEN finished_at IS NULL
+        WHEN status IN ('succeeded', 'failed', 'diverged', 'cancelled') THEN finished_at IS NOT NULL
+        ELSE false END""",
+    "only a running run is being cancelled": """
+        SELECT count(*) FROM runs WHERE is_cancelling AND status <> 'running'""",
+    "a run has as many attempts as it was claimed": """
+        SELECT count(*) FROM runs WHERE attempt <>
+        (SELECT count(*) FROM attempts WHERE attempts.run_number = runs.number)""",
+    "the current attempt of a running run is open, no other is": """
+        SELECT count(*) FROM attempts JOIN runs ON runs.number = attempts.run_number
+        WHERE (attempts.ended_at IS NULL) <>
+        (runs.status = 'running' AND attempts.attempt = runs.attempt)""",
+    "the runs of a sweep are numbered from 0 without a gap": """
+        SELECT count(*) FROM (SELECT 1 FROM runs GROUP BY sweep_number
+        HAVING min(ordinal) <> 0 OR max(ordinal) <> count(*) - 1) AS gaps""",
+    "a sweep has runs": """
+        SELECT count(*) FROM sweeps
+        WHERE NOT EXISTS (SELECT 1 FROM runs WHERE runs.sweep_number = sweeps.number)""",
+    "diagnostics are whole float64 numbers": """
+        SELECT count(*) FROM measurements WHERE length(diagnostics) % 8 <> 0""",
+}
+
+
+@dataclass(frozen=True)
+class Check:
+    """Something that must hold, and what breaks it; `faults` is empty while it holds."""
+
+    claim: str
+    faults: tuple[str, ...]
+
+
+def check(connection: Connection) -> list[Check]:
+    """Check everything."""
+    checks = _sqlite_checks(connection) if connection.dialect.name == "sqlite" else []
+    for claim, query in INVARIANTS.items():
+        rows = connection.scalar(text(query))
+        checks.append(Check(claim, (f"{rows} rows break it",) if rows else ()))
+    return checks
+
+
+def _sqlite_checks(connection: Connection) -> list[Check]:
+    pages = tuple(connection.scalars(text("PRAGMA integrity_check")))
+    strays = connection.execute(text("PRAGMA foreign_key_check")).all()
+    return [
+        Check("SQLite finds its file whole", () if pages == ("ok",) else pages),
+        Check(
+            "every row belongs to one that is there",
+            tuple(f"row {row[1]} of {row[0]} belongs to no row of {row[2]}" for row in strays),
+        ),
+    ]
