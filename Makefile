@@ -75,7 +75,7 @@ test-slow: $(VENV)/installed-dev postgresql
 	@echo "== Tests: slow (minutes)"
 	@$(PYTEST) -m slow --timeout 3600
 
-bench: $(VENV)/installed-peers
+bench: $(VENV)/installed-peers postgresql
 	@for name in $$(basename -s .py -a benchmarks/[a-z]*.py); do \
 	  echo "== $$name"; $(BIN)/python -m benchmarks.$$name || exit 1; done
 

@@ -40,10 +40,12 @@ def claim(connection: Connection, worker: str, lease_seconds: float, limit: int)
     those train together.
     """
     of_sweep = runs.c.sweep_number == sweeps.c.number
+    # No EXISTS: PostgreSQL would look at every queued run of every sweep.
+    waiting = select(runs.c.number).where(of_sweep, is_waiting).correlate(sweeps).limit(1)
     running = select(func.count()).where(of_sweep, is_running).correlate(sweeps).scalar_subquery()
     sweep = connection.execute(
         select(sweeps.c.number, sweeps.c.id)
-        .where(exists().where(of_sweep, is_waiting).correlate(sweeps))
+        .where(waiting.scalar_subquery().is_not(None))
         .order_by(sweeps.c.priority.desc(), running, sweeps.c.last_claimed_at, sweeps.c.number)
         .limit(1)
     ).one_or_none()

@@ -74,12 +74,15 @@ def _insert(connection: Connection, fresh: Mapping[tuple[int, int], Measurement]
         )
         for (number, timestep), measurement in fresh.items()
     ]
-    mark = "?" if connection.dialect.paramstyle == "qmark" else "%s"
-    marks = ", ".join([mark] * len(COLUMNS))
-    connection.exec_driver_sql(
-        f"INSERT INTO measurements ({', '.join(COLUMNS)}) VALUES ({marks})",  # noqa: S608
-        rows,
-    )
+    into = f"INSERT INTO measurements ({', '.join(COLUMNS)})"
+    if connection.dialect.name == "sqlite":
+        marks = ", ".join("?" for _ in COLUMNS)
+        connection.exec_driver_sql(f"{into} VALUES ({marks})", rows)
+    else:  # one statement of whole columns, for a statement a row takes longer
+        kinds = [column.type.compile(connection.dialect) for column in measurements.columns]
+        arrays = ", ".join(f"%s::{kind}[]" for kind in kinds)
+        columns = tuple(list(column) for column in zip(*rows, strict=True))
+        connection.exec_driver_sql(f"{into} SELECT * FROM unnest({arrays})", columns)  # noqa: S608
 
 
 def _nan_as_null(value: float) -> float | None:

@@ -86,6 +86,22 @@ def test_a_large_sweep_does_not_starve_a_small_one_on_a_single_worker(
     assert served == [large.id, small.id]
 
 
+def test_ten_thousand_runs_do_not_starve_ten(store: Store, submit: Submit) -> None:
+    """Two workers that are never idle: the small sweep has every second cohort until it is done."""
+    large = submit(seeds=10_000)
+    busy = [claim_of(store), claim_of(store)]
+    small = submit(seeds=64)
+    served = []
+    for turn in range(8):
+        ended = busy.pop(0)
+        store.record(ended, Progress(1600, finished=tuple(run.spec.seed for run in ended.runs)))
+        busy.append(claim_of(store))
+        served.append(sweep_of(busy[-1]))
+        assert turn > 0 or served == [small.id]
+    assert served.count(small.id) == 4
+    assert served[-1] == large.id
+
+
 def test_a_claim_opens_an_attempt(store: Store, submit: Submit) -> None:
     sweep = submit(seeds=1)
     claim = claim_of(store)
