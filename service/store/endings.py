@@ -18,6 +18,7 @@ STOPPED = "cancelled while it was running"
 
 def fail(connection: Connection, claim: Claim, error: str, log_tail: str) -> None:
     """End what is left of the claim as failed: an error in code, which would happen again."""
+    error, log_tail = _legible(error), _legible(log_tail)
     reason = error.strip().rpartition("\n")[2] or "failed without a message"
     for row in held_runs(connection, claim).values():
         end(connection, row, RunStatus.FAILED, reason, error=error, log_tail=log_tail)
@@ -33,6 +34,7 @@ def lose(
     connection: Connection, claim: Claim, reason: str, log_tail: str, policy: RetryPolicy
 ) -> None:
     """Queue what is left of the claim again, after a wait: its worker was lost."""
+    reason, log_tail = _legible(reason), _legible(log_tail)
     for row in held_runs(connection, claim).values():
         _lose(connection, row, reason, log_tail, policy)
 
@@ -131,3 +133,8 @@ def _close_attempt(
         .where(attempts.c.run_number == row.number, attempts.c.attempt == row.attempt)
         .values(outcome=outcome, error=error, log_tail=log_tail, ended_at=now())
     )
+
+
+def _legible(text: str) -> str:
+    """Write as escapes what a program may print and no database holds: NUL, half surrogates."""
+    return text.replace("\0", r"\x00").encode(errors="backslashreplace").decode()

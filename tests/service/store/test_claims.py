@@ -234,3 +234,16 @@ def test_an_error_in_code_fails_at_once_and_keeps_its_traceback(
     [attempt] = store.attempts(run.id)
     assert (attempt.error, attempt.log_tail) == (traceback, "some output")
     assert store.claim_cohort("w", LEASE) is None
+
+
+def test_whatever_a_worker_prints_is_kept(store: Store, submit: Submit) -> None:
+    sweep = submit(seeds=2)
+    claim = claim_of(store)
+    store.lose(claim.only({f"{sweep.id}-0"}), "exit \0", "\ud800 torn")
+    store.fail(claim.only({f"{sweep.id}-1"}), "ValueError: \0\udfff", "a\0b")
+    assert [a.log_tail for a in store.attempts(f"{sweep.id}-0")] == [r"\ud800 torn"]
+    [attempt] = store.attempts(f"{sweep.id}-1")
+    assert (attempt.error, attempt.log_tail) == (r"ValueError: \x00\udfff", r"a\x00b")
+    run = store.find_run(f"{sweep.id}-1")
+    assert run is not None
+    assert run.reason == attempt.error
