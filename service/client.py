@@ -1,26 +1,44 @@
-"""The Python client: submit sweeps, follow them, fetch their curves.
+"""The Python client: submit sweeps, follow them, fetch what they measured.
 
     client = Client()                                   # the service on this machine
     sweep = client.submit({"algorithms": [{"name": "ddpg"}], "environments": ["Pendulum"],
                            "seeds": 4, "timesteps": 20_000})
-    client.wait(sweep["id"])
-    curves = client.curves(sweep["id"], normalized=True)
+    client.wait(sweep.id)
+    curves = client.curves(sweep.id, normalized=True)
 
-Every call answers the service's JSON as it stands in the OpenAPI document (`/api/v1/docs`).
+Answers are the service's own models (`service.schemas`), as the OpenAPI document shows them.
+Importing this module loads neither numba nor torch nor ray.
 """
 
 from __future__ import annotations
 
 import os
 import time
+import uuid
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Literal, Self
+from typing import Any, Literal, Self, TypeVar
 
 import httpx2
+from pydantic import BaseModel
 
-Json = dict[str, Any]
+from service.figure_form import Form
+from service.schemas.curves_answer import CurvesAnswer
+from service.schemas.measurements_answer import MeasurementsAnswer
+from service.schemas.page import Page
+from service.schemas.readiness_answer import ReadinessAnswer
+from service.schemas.run_answer import AttemptAnswer, ListedRunAnswer, RunAnswer
+from service.schemas.score_table_answer import ScoreTableAnswer
+from service.schemas.sweep_answer import DryRunAnswer, SweepAnswer
+from service.schemas.sweep_request import SweepRequest
+
+API = "/api/v1"
+
+Move = Literal["cancel", "pause", "resume", "retry"]
+Option = str | bool | int
+Answer = TypeVar("Answer", bound=BaseModel)
+Request = SweepRequest | Mapping[str, Any]
 
 
 class ServiceError(Exception):
@@ -57,7 +75,9 @@ class Client:
     `find_token`.
     """
 
-    def __init__(self, url: str | None = None, token: str | None = None) -> None:
+    def __init__(
+        self, url: str | None = None, token: str | None = None, timeout_seconds: float = 60.0
+    ) -> None:
         """Open no connection yet: the first call does."""
         here = f"http://127.0.0.1:{os.environ.get('D3PG_PORT') or 8000}"
         self.url = url or os.environ.get("D3PG_URL") or here
@@ -65,7 +85,7 @@ class Client:
         self._http = httpx2.Client(
             base_url=self.url,
             headers={"Authorization": f"Bearer {self.token}"},
-            timeout=60.0,
+            timeout=timeout_seconds,
         )
 
     def __enter__(self) -> Self:
@@ -85,60 +105,101 @@ class Client:
         """Close the connections."""
         self._http.close()
 
-    def submit(self, request: Mapping[str, Any]) -> Json:
-        """Queue a sweep; answers it with its id once every run is stored."""
-        return self._json("POST", "/api/v1/sweeps", json=dict(request))
+    def submit(self, request: Request, key: str | None = None) -> SweepAnswer:
+        """Queue a sweep; answers it with its id once every run is stored.
 
-    def count(self, request: Mapping[str, Any]) -> Json:
-        """What `submit` would queue, without queueing it."""
-        return self._json("POST", "/api/v1/sweeps", json=dict(request), params={"dry_run": True})
+        `key` is a text of your own: whoever submits again under it gets the same sweep. Left out,
+        each call is a sweep of its own. An answer that was lost on the way is asked for once more.
+        """
+        body, headers = as_json(request), {"Idempotency-Key": key or uuid.uuid4().hex}
+        try:
+            posted = self._call("POST", "/sweeps", json=body, headers=headers)
+        except ServiceError as error:
+            if error.status is not None or isinstance(error.__cause__, httpx2.ConnectError):
+                raise
+            posted = self._call("POST", "/sweeps", json=body, headers=headers)
+        return SweepAnswer.model_validate_json(posted.content)
 
-    def sweep(self, sweep_id: str) -> Json:
+    def estimate(self, request: Request) -> DryRunAnswer:
+        """What `submit` would queue, and about what it would cost, without queueing it."""
+        dry = self._call("POST", "/sweeps", json=as_json(request), params={"dry_run": True})
+        return DryRunAnswer.model_validate_json(dry.content)
+
+    def sweep(self, sweep_id: str) -> SweepAnswer:
         """A sweep: its status, counts of runs, progress and ETA."""
-        return self._json("GET", f"/api/v1/sweeps/{sweep_id}")
+        return self._get(SweepAnswer, f"/sweeps/{sweep_id}")
 
-    def sweeps(self) -> Iterator[Json]:
+    def sweeps(self) -> Iterator[SweepAnswer]:
         """All sweeps, newest first."""
-        return self._pages("/api/v1/sweeps")
+        return self._pages(Page[SweepAnswer], "/sweeps")
 
-    def runs(self, sweep_id: str, **filters: str) -> Iterator[Json]:
-        """The runs of a sweep, filtered by `status`, `algorithm`, `environment`."""
-        return self._pages(f"/api/v1/sweeps/{sweep_id}/runs", **filters)
-
-    def run(self, run_id: str) -> Json:
+    def run(self, run_id: str) -> RunAnswer:
         """One run."""
-        return self._json("GET", f"/api/v1/runs/{run_id}")
+        return self._get(RunAnswer, f"/runs/{run_id}")
 
-    def cancel(self, identifier: str) -> Json:
-        """Cancel a sweep, or a single run (whose id has the form `<sweep>-<number>`)."""
-        resource = "runs" if "-" in identifier else "sweeps"
-        return self._json("POST", f"/api/v1/{resource}/{identifier}/cancel")
+    def runs(self, sweep_id: str, **filters: Option) -> Iterator[ListedRunAnswer]:
+        """The runs of a sweep; filters as in `GET /sweeps/{id}/runs` (`status="failed"`)."""
+        return self._pages(Page[ListedRunAnswer], f"/sweeps/{sweep_id}/runs", **filters)
 
-    def measurements(self, run_id: str) -> Json:
-        """Every measurement of a run."""
-        return self._json("GET", f"/api/v1/runs/{run_id}/measurements")
+    def attempts(self, run_id: str) -> list[AttemptAnswer]:
+        """How often a run was claimed, and how each attempt ended."""
+        answer = self._call("GET", f"/runs/{run_id}/attempts").json()
+        return [AttemptAnswer.model_validate(attempt) for attempt in answer]
 
-    def curves(self, sweep_id: str, **options: str | bool | int) -> Json:
+    def move(self, identifier: str, move: Move) -> SweepAnswer | RunAnswer:
+        """Cancel, pause, resume or retry a sweep, or a single run (`<sweep>-<number>`)."""
+        answer = self._call("POST", f"{path_of(identifier)}/{move}").content
+        if is_run(identifier):
+            return RunAnswer.model_validate_json(answer)
+        return SweepAnswer.model_validate_json(answer)
+
+    def measurements(self, run_id: str) -> MeasurementsAnswer:
+        """Every measurement of a run, column by column."""
+        return self._get(MeasurementsAnswer, f"/runs/{run_id}/measurements")
+
+    def measurements_csv(self, run_id: str) -> str:
+        """Every measurement of a run as CSV, which has NaN and infinity too."""
+        path, params = f"/runs/{run_id}/measurements", {"format": "csv"}
+        return self._call("GET", path, params=params).text
+
+    def curves(self, sweep_id: str, **options: Option) -> CurvesAnswer:
         """Mean and band over seeds; options as in `GET /sweeps/{id}/curves`."""
-        return self._json("GET", f"/api/v1/sweeps/{sweep_id}/curves", params=options)
+        return self._get(CurvesAnswer, f"/sweeps/{sweep_id}/curves", **options)
 
-    def plot(
-        self, sweep_id: str, form: Literal["png", "svg", "pdf"] = "png", **options: str | bool
+    def table(self, sweep_id: str, **options: Option) -> ScoreTableAnswer:
+        """What every algorithm reached in every task; options as in `GET /sweeps/{id}/table`."""
+        return self._get(ScoreTableAnswer, f"/sweeps/{sweep_id}/table", **options)
+
+    def table_text(
+        self, sweep_id: str, form: Literal["csv", "markdown", "latex"], **options: Option
+    ) -> str:
+        """The same table, written."""
+        path, params = f"/sweeps/{sweep_id}/table", {**options, "format": form}
+        return self._call("GET", path, params=params).text
+
+    def figure(
+        self,
+        sweep_id: str,
+        form: Form = "png",
+        number: Literal["4", "5", "6"] | None = None,
+        **options: Option,
     ) -> bytes:
-        """The comparison figure as a file's bytes."""
-        return self._call("GET", f"/api/v1/sweeps/{sweep_id}/plot.{form}", params=options).content
+        """A figure as a file's bytes: every curve of the sweep, or one of the paper's figures."""
+        name = f"plot.{form}" if number is None else f"figures/{number}.{form}"
+        return self._call("GET", f"/sweeps/{sweep_id}/{name}", params=options).content
 
-    def readiness(self) -> Json:
+    def readiness(self) -> ReadinessAnswer:
         """What `/readyz` says of database and cluster, ready or not."""
-        return dict(self._call("GET", "/readyz", allowed=(503,)).json())
+        answer = self._call("GET", "/readyz", allowed=(503,), prefix="")
+        return ReadinessAnswer.model_validate_json(answer.content)
 
     def wait(
         self,
         sweep_id: str,
         timeout_seconds: float = float("inf"),
-        progressed: Callable[[Json], None] | None = None,
+        progressed: Callable[[SweepAnswer], None] | None = None,
         poll_seconds: float = 1.0,
-    ) -> Json:
+    ) -> SweepAnswer:
         """Block until every run of a sweep has ended; calls `progressed` (if given) at each look.
 
         A service that is away for a moment is waited for. Raises TimeoutError.
@@ -159,23 +220,28 @@ class Client:
                 raise TimeoutError(f"Sweep {sweep_id} has not ended within {timeout_seconds:g} s.")
             time.sleep(poll_seconds)
 
-    def _pages(self, path: str, **params: str) -> Iterator[Json]:
-        cursor: str | None = None
-        while True:
-            page = self._json("GET", path, params=params | ({"after": cursor} if cursor else {}))
-            yield from page["items"]
-            cursor = page["next"]
-            if cursor is None:
-                return
+    def _get(self, model: type[Answer], path: str, **params: Option) -> Answer:
+        return model.model_validate_json(self._call("GET", path, params=params).content)
 
-    def _json(self, method: str, path: str, **options: Any) -> Json:
-        return dict(self._call(method, path, **options).json())
+    def _pages(self, model: type[Page[Answer]], path: str, **params: Option) -> Iterator[Answer]:
+        cursor: dict[str, str] = {}
+        while True:
+            page = self._get(model, path, **params, **cursor)
+            yield from page.items
+            if page.next is None:
+                return
+            cursor = {"after": page.next}
 
     def _call(
-        self, method: str, path: str, allowed: tuple[int, ...] = (), **options: Any
+        self,
+        method: str,
+        path: str,
+        allowed: tuple[int, ...] = (),
+        prefix: str = API,
+        **options: Any,
     ) -> httpx2.Response:
         try:
-            response = self._http.request(method, path, **options)
+            response = self._http.request(method, prefix + path, **options)
         except httpx2.TransportError as error:
             raise ServiceError(
                 f"No service answers at {self.url} ({error}). Start one with `d3pg serve`, or "
@@ -186,9 +252,28 @@ class Client:
         raise ServiceError(problem_text(response), response.status_code)
 
 
-def has_ended(sweep: Json) -> bool:
-    """Whether no run of the sweep is queued or running."""
-    return bool(sweep["runs"]["queued"] + sweep["runs"]["running"] == 0)
+def as_json(request: Request) -> dict[str, Any]:
+    """What is posted: of a model the fields that were set, a mapping as it stands."""
+    if isinstance(request, SweepRequest):
+        return request.model_dump(mode="json", exclude_unset=True)
+    return dict(request)
+
+
+def is_run(identifier: str) -> bool:
+    """Whether an id is a run's (`<sweep>-<number>`) and not a sweep's."""
+    return "-" in identifier
+
+
+def path_of(identifier: str) -> str:
+    """Where a sweep or a run is found."""
+    return f"/{'runs' if is_run(identifier) else 'sweeps'}/{identifier}"
+
+
+def has_ended(sweep: SweepAnswer) -> bool:
+    """Whether every run of the sweep is final."""
+    counts = sweep.runs
+    ended = counts.succeeded + counts.failed + counts.diverged + counts.cancelled
+    return counts.total == ended
 
 
 def problem_text(response: httpx2.Response) -> str:

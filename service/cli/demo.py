@@ -86,9 +86,9 @@ def connect(service: subprocess.Popen[bytes], log: Path) -> Client:
 def demo_sweep(client: Client) -> str:
     """The id of the demo sweep to follow: an unfinished one, else a new one."""
     for sweep in client.sweeps():
-        if sweep["name"] == DEMO_SWEEP["name"] and not has_ended(sweep):
-            return str(sweep["id"])
-    return str(client.submit(DEMO_SWEEP)["id"])
+        if sweep.name == DEMO_SWEEP["name"] and not has_ended(sweep):
+            return sweep.id
+    return client.submit(DEMO_SWEEP).id
 
 
 def sign_in_link(client: Client, sweep_id: str) -> str:

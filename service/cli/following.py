@@ -2,116 +2,138 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable, Iterator
 
 from rich.console import Console, Group
 from rich.live import Live
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
-from rich.table import Table
 from rich.text import Text
 
+from service.cli.terminal import AsJson, SweepId, console, print_table, say, table_of
 from service.client import Client
+from service.schemas.curves_answer import CurveAnswer
+from service.schemas.run_answer import RunAnswer
+from service.schemas.sweep_answer import SweepAnswer
 
-Json = dict[str, Any]
+HEADINGS = ("task", "algorithm", "timestep", "return_history", "n")
 
-STATUSES = ("queued", "paused", "running", "succeeded", "failed", "diverged", "cancelled")
+Progressed = Callable[[SweepAnswer], None]
 
 
-def follow(client: Client, sweep_id: str, console: Console) -> int:
+def watch(sweep_id: SweepId, as_json: AsJson = False) -> None:
+    """Follow a sweep to its end: progress, ETA, where its curves stand."""
+    with Client() as client:
+        code = follow(client, sweep_id, console, as_json=as_json)
+    raise SystemExit(code)
+
+
+def follow(client: Client, sweep_id: str, console: Console, *, as_json: bool = False) -> int:
     """Show a sweep until it ends; the exit code: 0 if no run failed or diverged, else 1."""
     sweep = client.sweep(sweep_id)
-    show = _follow_live if console.is_terminal else _follow_lines
-    ended = show(client, sweep, console)
-    for run in _unsuccessful(client, ended):
-        console.print(
-            f"{run['id']} {run['algorithm']} {run['environment']} seed {run['seed']}: "
-            f"{run['status']}: {run['reason']}",
-            markup=False,
-        )
-    return 1 if ended["runs"]["failed"] + ended["runs"]["diverged"] else 0
+    if as_json:
+        ended = client.wait(sweep_id, progressed=changes(lambda s: say(s.model_dump_json())))
+    else:
+        show = _follow_live if console.is_terminal else _follow_lines
+        ended = show(client, sweep, console)
+        for run in _unsuccessful(client, ended):
+            say(
+                f"{run.id} {run.algorithm} {run.environment} seed {run.seed}: "
+                f"{run.status}: {run.reason}",
+                console,
+            )
+    return 1 if ended.runs.failed + ended.runs.diverged else 0
 
 
-def _follow_live(client: Client, sweep: Json, console: Console) -> Json:
+def _follow_live(client: Client, sweep: SweepAnswer, console: Console) -> SweepAnswer:
     progress = Progress(
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
         TaskProgressColumn(),
         TextColumn("{task.fields[eta]}"),
         TextColumn("{task.fields[counts]}"),
         console=console,
     )
-    bar = progress.add_task(Text(sweep["name"]).plain, total=1.0, eta="", counts="")
+    bar = progress.add_task(Text(sweep.name).plain, total=1.0, eta="", counts="")
     with Live(console=console, refresh_per_second=4) as live:
 
-        def progressed(sweep: Json) -> None:
+        def progressed(sweep: SweepAnswer) -> None:
             progress.update(
-                bar, completed=sweep["progress"], eta=eta_text(sweep), counts=counts_text(sweep)
+                bar, completed=sweep.progress, eta=eta_text(sweep), counts=counts_text(sweep)
             )
-            live.update(Group(progress, standings(client, sweep)))
+            live.update(Group(progress, table_of(HEADINGS, standings(client, sweep.id))))
 
-        return client.wait(sweep["id"], progressed=progressed)
+        return client.wait(sweep.id, progressed=progressed)
 
 
-def _follow_lines(client: Client, sweep: Json, console: Console) -> Json:
+def _follow_lines(client: Client, sweep: SweepAnswer, console: Console) -> SweepAnswer:
     """Plain lines, one for every tenth of the way: what a log file wants."""
     shown = -1
 
-    def progressed(sweep: Json) -> None:
+    def progressed(sweep: SweepAnswer) -> None:
         nonlocal shown
-        tenth = int(sweep["progress"] * 10)
+        tenth = int(sweep.progress * 10)
         if tenth > shown:
             shown = tenth
-            line = (
-                f"{sweep['name']}: {sweep['progress']:.0%} {counts_text(sweep)} {eta_text(sweep)}"
-            )
-            console.print(line.rstrip(), markup=False, soft_wrap=True)
+            line = f"{sweep.name}: {sweep.progress:.0%} {counts_text(sweep)} {eta_text(sweep)}"
+            say(line.rstrip(), console)
 
-    ended = client.wait(sweep["id"], progressed=progressed)
-    console.print(standings(client, ended))
+    ended = client.wait(sweep.id, progressed=progressed)
+    print_table(HEADINGS, standings(client, ended.id), console)
     return ended
 
 
-def standings(client: Client, sweep: Json) -> Table:
+def changes(progressed: Progressed) -> Progressed:
+    """Pass on a sweep only when it differs from the one before, its ETA aside."""
+    before: SweepAnswer | None = None
+
+    def passing(sweep: SweepAnswer) -> None:
+        nonlocal before
+        timeless = sweep.model_copy(update={"eta_seconds": None})
+        if timeless != before:
+            before = timeless
+            progressed(sweep)
+
+    return passing
+
+
+def standings(client: Client, sweep_id: str) -> list[tuple[str, ...]]:
     """A row a curve: the latest normalised return_history, mean and deviation over seeds."""
-    curves = client.curves(sweep["id"], metric="return_history", normalized=True, max_points=2)
-    table = Table("task", "algorithm", "timestep", "return_history", "n", box=None, padding=(0, 2))
-    for panel in curves["panels"]:
-        for curve in panel["curves"]:
-            table.add_row(Text(panel["environment"]), Text(curve["label"]), *_latest(curve))
-    return table
+    curves = client.curves(sweep_id, metric="return_history", normalized=True, max_points=2)
+    return [
+        (panel.environment, curve.label, *_latest(curve))
+        for panel in curves.panels
+        for curve in panel.curves
+    ]
 
 
-def _latest(curve: Json) -> tuple[str, str, str]:
-    known = [i for i, mean in enumerate(curve["mean"]) if mean is not None]
+def _latest(curve: CurveAnswer) -> tuple[str, str, str]:
+    known = [i for i, mean in enumerate(curve.mean) if mean is not None]
     if not known:
         return "-", "-", "0"
     i = known[-1]
-    value = f"{curve['mean'][i]:.3f}"
-    if curve["high"][i] is not None:
-        value += f" ± {curve['high'][i] - curve['mean'][i]:.3f}"
-    return f"{curve['x'][i]:,.0f}", value, str(curve["n"][i])
+    mean, high = curve.mean[i], curve.high[i]
+    value = f"{mean:.3f}"
+    if mean is not None and high is not None:
+        value += f" ± {high - mean:.3f}"
+    return f"{curve.x[i]:,.0f}", value, str(curve.n[i])
 
 
-def counts_text(sweep: Json) -> str:
+def counts_text(sweep: SweepAnswer) -> str:
     """The runs by status, those there are: `2 running, 14 queued`."""
-    counts = ((sweep["runs"][status], status) for status in STATUSES)
-    return ", ".join(f"{count} {status}" for count, status in counts if count)
+    counts = sweep.runs.model_dump(exclude={"total"})
+    return ", ".join(f"{count} {status}" for status, count in counts.items() if count)
 
 
-def eta_text(sweep: Json) -> str:
+def eta_text(sweep: SweepAnswer) -> str:
     """The time left in words; empty where it is not known."""
-    seconds = sweep["eta_seconds"]
-    if seconds is None:
+    if sweep.eta_seconds is None:
         return ""
-    minutes, seconds = divmod(round(seconds), 60)
+    minutes, seconds = divmod(round(sweep.eta_seconds), 60)
     hours, minutes = divmod(minutes, 60)
     return f"ETA {hours}:{minutes:02}:{seconds:02}" if hours else f"ETA {minutes}:{seconds:02}"
 
 
-def _unsuccessful(client: Client, sweep: Json) -> list[Json]:
-    return [
-        run
-        for status in ("failed", "diverged")
-        if sweep["runs"][status]
-        for run in client.runs(sweep["id"], status=status)
-    ]
+def _unsuccessful(client: Client, sweep: SweepAnswer) -> Iterator[RunAnswer]:
+    for status in ("failed", "diverged"):
+        if getattr(sweep.runs, status):
+            yield from client.runs(sweep.id, status=status)

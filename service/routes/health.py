@@ -1,10 +1,11 @@
 """Is the process there; can it work."""
 
 from fastapi import APIRouter, Response
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel
 from sqlalchemy.exc import SQLAlchemyError
 
 from service.routes.context import TheDispatcher, TheStore
+from service.schemas.readiness_answer import CheckAnswer, ReadinessAnswer
 from service.store.store import Store
 
 router = APIRouter(tags=["health"])
@@ -14,35 +15,6 @@ class HealthAnswer(BaseModel):
     """The process answers."""
 
     status: str = "ok"
-
-
-class CheckAnswer(BaseModel):
-    """One thing the service needs; `problem` is a sentence, null while there is none."""
-
-    name: str
-    is_ready: bool
-    problem: str | None
-
-
-class ReadinessAnswer(BaseModel):
-    """Whether runs can be stored and started."""
-
-    model_config = ConfigDict(
-        json_schema_extra={
-            "examples": [
-                {
-                    "status": "not ready",
-                    "checks": [
-                        {"name": "database", "is_ready": True, "problem": None},
-                        {"name": "cluster", "is_ready": False, "problem": "cluster starting"},
-                    ],
-                }
-            ]
-        }
-    )
-
-    status: str
-    checks: list[CheckAnswer]
 
 
 @router.get("/healthz")

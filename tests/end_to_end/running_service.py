@@ -53,7 +53,7 @@ class RunningService:
             try:
                 token = (self.data_dir / "token").read_text().strip()
                 client = self.clients.enter_context(Client(self.url, token))
-                if client.readiness()["status"] == "ready":
+                if client.readiness().status == "ready":
                     return client
             except (OSError, ServiceError):
                 pass

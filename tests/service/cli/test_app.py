@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from service.cli.app import app, main, read_request
+from service.cli.app import app, main
 
 runner = CliRunner()
 
@@ -16,30 +16,6 @@ def nowhere(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.delenv("D3PG_TOKEN", raising=False)
     monkeypatch.setenv("D3PG_DATA_DIR", str(tmp_path / "none"))
     monkeypatch.setenv("D3PG_URL", "http://127.0.0.1:1")
-
-
-def test_a_request_is_read_as_it_stands(tmp_path: Path) -> None:
-    file = tmp_path / "sweep.yaml"
-    file.write_text("name: é [b]\nseeds: [1, 2]\n", encoding="utf-8")
-    assert read_request(file) == {"name": "é [b]", "seeds": [1, 2]}
-
-
-@pytest.mark.parametrize(
-    ("content", "reason"), [("a: [", "not YAML"), ("- 1\n", "must hold a mapping")]
-)
-def test_a_bad_file_is_refused_by_name(tmp_path: Path, content: str, reason: str) -> None:
-    file = tmp_path / "sweep.yaml"
-    file.write_text(content)
-    result = runner.invoke(app, ["submit", str(file)], env={"COLUMNS": "300"})
-    assert result.exit_code == 2
-    assert reason in result.output
-    assert "sweep.yaml" in result.output
-
-
-def test_a_missing_file_is_refused() -> None:
-    result = runner.invoke(app, ["submit", "nowhere.yaml"], env={"COLUMNS": "300"})
-    assert result.exit_code == 2
-    assert "cannot read nowhere.yaml" in result.output
 
 
 def test_a_figure_is_png_svg_or_pdf() -> None:
@@ -67,3 +43,29 @@ def test_a_refusal_is_a_sentence(
     assert expected in error
     assert "d3pg serve" in " ".join(error.split())
     assert "Traceback" not in error
+
+
+def test_an_interruption_is_130(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupted() -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("service.cli.app.find_token", interrupted)
+    monkeypatch.setattr("sys.argv", ["d3pg", "token"])
+    with pytest.raises(SystemExit) as exit_:
+        main()
+    assert exit_.value.code == 130
+    assert "Traceback" not in capsys.readouterr().err
+
+
+def test_every_command_explains_itself() -> None:
+    shown = runner.invoke(app, ["--help"], env={"COLUMNS": "200"}).output
+    for command in app.registered_commands:
+        name = command.name or command.callback.__name__  # type: ignore[union-attr]
+        assert name in shown
+        assert runner.invoke(app, [name, "--help"]).exit_code == 0
+
+
+def test_the_shell_can_complete() -> None:
+    assert "_D3PG_COMPLETE" in runner.invoke(app, ["--show-completion", "bash"]).output

@@ -1,37 +1,44 @@
 """What the terminal says of a sweep."""
 
+import io
+import json
 from typing import Any
 
+import pytest
 from rich.console import Console
 
-from service.cli.following import counts_text, eta_text, standings
+from service.cli.following import changes, counts_text, eta_text, follow, standings
+from service.client import Client
+from service.schemas.curves_answer import CurvesAnswer
+from service.schemas.sweep_answer import SweepAnswer
+from service.store.store import Store
+from tests.service.conftest import SWEEP
+from tests.service.training import rising, train
 
 COUNTS = {
-    "total": 7, "queued": 0, "running": 2, "paused": 0, "succeeded": 4, "failed": 0, "diverged": 1,
-    "cancelled": 0,
+    "total": 7, "queued": 0, "paused": 0, "running": 2, "succeeded": 4, "failed": 0,
+    "diverged": 1, "cancelled": 0,
 }  # fmt: skip
 
 
-def sweep(**changes: Any) -> dict[str, Any]:
-    return {"id": "0" * 12, "runs": COUNTS, "eta_seconds": None} | changes
+def sweep(**changes: Any) -> SweepAnswer:
+    (example,) = SweepAnswer.model_config["json_schema_extra"]["examples"]  # type: ignore
+    document: Any = example
+    return SweepAnswer.model_validate({**document, "runs": COUNTS, "eta_seconds": None, **changes})
 
 
 class FakeClient:
     """Answers the curves it was given."""
 
-    def __init__(self, *curves: dict[str, Any]) -> None:
-        self.panels = [{"environment": "[red]Pendulum[/red]", "curves": list(curves)}]
+    def __init__(self, **curve: Any) -> None:
+        (example,) = CurvesAnswer.model_config["json_schema_extra"]["examples"]  # type: ignore
+        self.answer = CurvesAnswer.model_validate(example)
+        (self.panel,) = self.answer.panels
+        self.panel.curves = [self.panel.curves[0].model_copy(update=curve)]
 
-    def curves(self, sweep_id: str, **options: Any) -> dict[str, Any]:
+    def curves(self, sweep_id: str, **options: Any) -> CurvesAnswer:
         assert options["normalized"] is True
-        return {"panels": self.panels}
-
-
-def rendered(client: FakeClient) -> str:
-    console = Console(width=100, no_color=True)
-    with console.capture() as capture:
-        console.print(standings(client, sweep()))  # type: ignore[arg-type]
-    return capture.get()
+        return self.answer
 
 
 def test_counts_name_the_statuses_there_are() -> None:
@@ -45,16 +52,42 @@ def test_eta_in_minutes_and_hours_or_nothing() -> None:
 
 
 def test_standings_show_the_latest_known_point() -> None:
-    curve = {
-        "label": "ddpg", "x": [800, 1600, 2400], "mean": [0.1, 0.25, None],
-        "high": [0.2, 0.3, None], "n": [4, 4, 0],
-    }  # fmt: skip
-    text = rendered(FakeClient(curve))
-    assert "1,600" in text
-    assert "0.250 ± 0.050" in text
+    client: Any = FakeClient(
+        x=[800, 1600, 2400], mean=[0.1, 0.25, None], high=[0.2, 0.3, None], n=[4, 4, 0]
+    )
+    assert standings(client, "") == [("Pendulum", "ddpg", "1,600", "0.250 ± 0.050", "4")]
 
 
-def test_names_are_text_and_curves_without_points_are_said() -> None:
-    text = rendered(FakeClient({"label": "new", "x": [], "mean": [], "high": [], "n": []}))
-    assert "[red]Pendulum[/red]" in text
-    assert " - " in text
+def test_curves_without_points_are_said() -> None:
+    client: Any = FakeClient(x=[], mean=[], high=[], n=[])
+    assert standings(client, "") == [("Pendulum", "ddpg", "-", "-", "0")]
+
+
+def test_only_changes_are_passed_on() -> None:
+    seen: list[SweepAnswer] = []
+    pass_on = changes(seen.append)
+    for progress, eta in ((0.1, 9), (0.1, 8), (0.2, 7)):
+        pass_on(sweep(progress=progress, eta_seconds=eta))
+    assert [each.progress for each in seen] == [0.1, 0.2]
+
+
+def test_a_trained_sweep_in_lines_and_on_a_terminal(service: Client, store: Store) -> None:
+    sweep_id = service.submit(SWEEP).id
+    train(store, 5, rising)
+    for is_terminal in (False, True):
+        output = Console(file=io.StringIO(), force_terminal=is_terminal, width=120)
+        assert follow(service, sweep_id, output) == 0
+        text = output.file.getvalue()  # type: ignore[attr-defined]
+        assert "12 succeeded" in text
+        assert "Pendulum" in text
+        assert ("\t" in text) is not is_terminal
+
+
+def test_json_is_a_line_a_change(
+    service: Client, store: Store, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sweep_id = service.submit(SWEEP).id
+    train(store, 5, rising)
+    assert follow(service, sweep_id, Console(), as_json=True) == 0
+    (line,) = capsys.readouterr().out.splitlines()
+    assert json.loads(line)["runs"]["succeeded"] == 12

@@ -5,7 +5,6 @@ import signal
 import socket
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,11 +12,11 @@ from pathlib import Path
 
 import httpx2
 import pytest
-import uvicorn
 from fastapi import FastAPI
 from starlette.testclient import TestClient
 
 from tests.service.conftest import SWEEP, TOKEN
+from tests.service.served import served
 
 HEADERS = {"Authorization": f"Bearer {TOKEN}"}
 Message = dict[str, str]
@@ -26,15 +25,8 @@ Message = dict[str, str]
 @pytest.fixture
 def url(app: FastAPI) -> Iterator[str]:
     """A real server of the application."""
-    server = uvicorn.Server(uvicorn.Config(app, port=0, log_config=None))
-    thread = threading.Thread(target=server.run)
-    thread.start()
-    while not server.started:
-        time.sleep(0.01)
-    port = server.servers[0].sockets[0].getsockname()[1]
-    yield f"http://127.0.0.1:{port}"
-    server.should_exit = True
-    thread.join()
+    with served(app) as url:
+        yield url
 
 
 @contextmanager

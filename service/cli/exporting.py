@@ -1,0 +1,144 @@
+"""`d3pg export`, `table` and `plot`: what was measured, as files."""
+
+from __future__ import annotations
+
+import csv
+import io
+import sys
+from collections.abc import Iterable, Iterator
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from service.cli.terminal import AsJson, Identifier, SweepId, print_json, print_table, say
+from service.client import Client, is_run
+from service.figure_form import MEDIA_TYPES
+from service.schemas.run_answer import RunAnswer
+from service.schemas.score_table_answer import EntryAnswer, inert
+
+SPEC_COLUMNS = ("run", "algorithm", "environment", "w1", "w2", "seed")
+
+Row = dict[str, Any]
+
+
+class Written(StrEnum):
+    """The forms of the table as text."""
+
+    CSV = "csv"
+    MARKDOWN = "markdown"
+    LATEX = "latex"
+
+
+class PaperFigure(StrEnum):
+    """The paper's figures of curves."""
+
+    FOUR = "4"
+    FIVE = "5"
+    SIX = "6"
+
+
+def export(
+    identifier: Identifier,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="A .csv file; else standard output.")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Write every measurement of a sweep or a run as CSV, a line a measurement."""
+    with Client() as client:
+        if as_json:
+            for run in runs_of(client, identifier):
+                say(client.measurements(run.id).model_dump_json())
+            return
+        rows = list(measurement_rows(client, runs_of(client, identifier)))
+    text = written(rows)
+    if output is None:
+        sys.stdout.write(text)
+    else:
+        output.write_text(text, encoding="utf-8", newline="")
+        say(f"Wrote {len(rows)} measurements to {output}")
+
+
+def runs_of(client: Client, identifier: str) -> Iterator[RunAnswer]:
+    """The run, or the runs of the sweep."""
+    return iter([client.run(identifier)]) if is_run(identifier) else client.runs(identifier)
+
+
+def measurement_rows(client: Client, runs: Iterable[RunAnswer]) -> Iterator[Row]:
+    """A row a measurement, in front of it what run it is of."""
+    for run in runs:
+        spec = (run.id, inert(run.algorithm), inert(run.environment),
+                run.weights.w1, run.weights.w2, run.seed)  # fmt: skip
+        for row in csv.DictReader(io.StringIO(client.measurements_csv(run.id))):
+            yield dict(zip(SPEC_COLUMNS, spec, strict=True)) | row
+
+
+def written(rows: list[Row]) -> str:
+    """Rows as CSV (RFC 4180); a cell is empty where a run has no such diagnostic."""
+    columns = dict.fromkeys((*SPEC_COLUMNS, *(name for row in rows for name in row)))
+    file = io.StringIO()
+    writer = csv.DictWriter(file, list(columns))
+    writer.writeheader()
+    writer.writerows(rows)
+    return file.getvalue()
+
+
+def table(
+    sweep_id: SweepId,
+    form: Annotated[
+        Written | None, typer.Option("--format", help="As text to paste; else as a table.")
+    ] = None,
+    raw: Annotated[bool, typer.Option("--raw", help="Raw returns, not normalised.")] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Print what every algorithm reached in every task: the paper's table 1."""
+    with Client() as client:
+        if form is not None and not as_json:
+            sys.stdout.write(client.table_text(sweep_id, form.value, normalized=not raw))
+            return
+        answer = client.table(sweep_id, normalized=not raw)
+    if as_json:
+        print_json(answer)
+        return
+    print_table(
+        ("algorithm", *answer.environments),
+        [
+            (row.label, *(entry_text(entry, answer.decimals) for entry in row.entries))
+            for row in answer.rows
+        ],
+    )
+    say(answer.definition)
+
+
+def entry_text(entry: EntryAnswer | None, decimals: int) -> str:
+    """`0.731 ± 0.042 *`, the star for the best of its task; a dash where there is nothing."""
+    if entry is None or entry.mean is None:
+        return "-"
+    deviation = "" if entry.std is None else f" ± {entry.std:.{decimals}f}"
+    return f"{entry.mean:.{decimals}f}{deviation}{' *' if entry.is_best else ''}"
+
+
+def plot(
+    sweep_id: SweepId,
+    output: Annotated[Path, typer.Option("--output", "-o", help="A .png, .svg or .pdf file.")],
+    figure: Annotated[
+        PaperFigure | None, typer.Option(help="A figure of the paper; else every curve.")
+    ] = None,
+    raw: Annotated[bool, typer.Option("--raw", help="Raw returns, not normalised.")] = False,
+) -> None:
+    """Save the curves of a sweep, or one of the paper's figures of it, as a file."""
+    form = next((form for form in MEDIA_TYPES if output.suffix.lower() == f".{form}"), None)
+    if form is None:
+        raise typer.BadParameter(f"{output} must end in .png, .svg or .pdf", param_hint="--output")
+    if figure is not None and raw:
+        raise typer.BadParameter("the paper's figures are normalised", param_hint="--raw")
+    with Client() as client:
+        picture = (
+            client.figure(sweep_id, form, normalized=not raw)
+            if figure is None
+            else client.figure(sweep_id, form, figure.value)
+        )
+    output.write_bytes(picture)
+    say(f"Wrote {output}")

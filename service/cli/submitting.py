@@ -1,0 +1,144 @@
+"""`d3pg submit`: a sweep from a YAML file, from flags, or from both: flags replace its fields."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+import yaml
+
+from service.cli.following import follow
+from service.cli.terminal import AsJson, console, print_json, print_table, say
+from service.client import Client
+from service.schemas.sweep_answer import CellAnswer, CostAnswer, DryRunAnswer
+
+Json = dict[str, Any]
+
+
+def submit(
+    file: Annotated[
+        Path | None, typer.Argument(metavar="[FILE.yaml]", help="The sweep; - reads stdin.")
+    ] = None,
+    algorithm: Annotated[
+        list[str] | None,
+        typer.Option("--algorithm", "-a", help="A name, or NAME:W1,W2; may be repeated."),
+    ] = None,
+    environment: Annotated[
+        list[str] | None, typer.Option("--environment", "-e", help="A task; may be repeated.")
+    ] = None,
+    seeds: Annotated[int | None, typer.Option(help="How many seeds each curve gets.")] = None,
+    timesteps: Annotated[int | None, typer.Option(help="Of each run; the preset's.")] = None,
+    name: Annotated[str | None, typer.Option(help="Any text.")] = None,
+    priority: Annotated[int | None, typer.Option(help="Higher goes first.")] = None,
+    key: Annotated[
+        str | None, typer.Option(help="Submitted again under this text, it is the same sweep.")
+    ] = None,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Only count the runs and estimate their cost.")
+    ] = False,
+    watch: Annotated[bool, typer.Option("--watch", help="Then follow it to its end.")] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Queue a sweep: a YAML file, flags, or a file with some fields replaced by flags."""
+    flags = {
+        "name": name,
+        "algorithms": [algorithm_of(each) for each in algorithm or []] or None,
+        "environments": environment or None,
+        "seeds": seeds,
+        "timesteps": timesteps,
+        "priority": priority,
+    }
+    given = {field: value for field, value in flags.items() if value is not None}
+    if file is None and not {"algorithms", "environments"} <= given.keys():
+        raise typer.BadParameter("name a FILE.yaml, or at least --algorithm and --environment")
+    request = {"seeds": 1, **given} if file is None else read_request(file) | given
+    with Client() as client:
+        if dry_run:
+            show_estimate(client.estimate(request), as_json)
+            return
+        sweep = client.submit(request, key)
+        if as_json:
+            print_json(sweep)
+        else:
+            say(f"Sweep {sweep.id}: {sweep.runs.total} runs queued.")
+            say(f"{client.url}/sweeps/{sweep.id}")
+        if watch:
+            raise typer.Exit(follow(client, sweep.id, console, as_json=as_json))
+
+
+def algorithm_of(text: str) -> Json:
+    """`hybrid-ddpg:0.1,0.01` as a request has it. Raises typer.BadParameter."""
+    name, colon, pair = text.partition(":")
+    if not colon:
+        return {"name": name}
+    try:
+        w1, w2 = (float(weight) for weight in pair.split(","))
+    except ValueError as error:
+        raise typer.BadParameter(
+            f"{text!r} is no algorithm: write NAME or NAME:W1,W2, as in hybrid-ddpg:0.1,0.01",
+            param_hint="--algorithm",
+        ) from error
+    return {"name": name, "weights": {"w1": w1, "w2": w2}}
+
+
+def read_request(file: Path) -> Json:
+    """The sweep in a YAML file; raises typer.BadParameter with what is wrong with it."""
+    try:
+        text = sys.stdin.read() if str(file) == "-" else file.read_text(encoding="utf-8")
+        request = yaml.safe_load(text)
+    except OSError as error:
+        raise typer.BadParameter(f"cannot read {file}: {error.strerror}") from error
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise typer.BadParameter(f"{file} is not YAML: {error}") from error
+    if not isinstance(request, dict):
+        raise typer.BadParameter(
+            f"{file} must hold a mapping with the keys algorithms, environments, seeds and "
+            f"timesteps, not a {type(request).__name__}"
+        )
+    return request
+
+
+def show_estimate(answer: DryRunAnswer, as_json: bool) -> None:
+    """Print what would be queued, cell by cell, and what it would take."""
+    if as_json:
+        print_json(answer)
+        return
+    print_table(
+        ("task", "algorithm", "w1", "w2", "timesteps", "seeds", "core time"),
+        [(*cell_columns(cell), cell.seeds, cost_text(cell.cost)) for cell in answer.cells],
+    )
+    say(f"{answer.runs.total} runs, {answer.timesteps:,} timesteps; nothing was queued.")
+    estimate = answer.estimate
+    if estimate.core_seconds is not None:
+        say(f"About {duration(estimate.core_seconds)} of one core" + wall_text(answer) + ".")
+    say(estimate.explanation)
+
+
+def cell_columns(cell: CellAnswer) -> tuple[object, ...]:
+    """Task, algorithm, weights and timesteps."""
+    weights = cell.weights
+    return cell.environment, cell.algorithm, weights.w1, weights.w2, cell.timesteps
+
+
+def cost_text(cost: CostAnswer) -> str:
+    """The cost of a cell; a dash where it is not known."""
+    return "-" if cost.core_seconds is None else duration(cost.core_seconds)
+
+
+def wall_text(answer: DryRunAnswer) -> str:
+    """How long it takes on the workers that are up, if any are."""
+    wall, workers = answer.estimate.wall_seconds, answer.estimate.workers
+    if wall is None:
+        return ""
+    return f", {duration(wall)} on the {workers} worker{'s' * (workers > 1)} here"
+
+
+def duration(seconds: float) -> str:
+    """Seconds in words: `3.2 s`, `4:05`, `1:02:05`."""
+    if seconds < 60:
+        return f"{seconds:.2g} s"
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02}:{rest:02}" if hours else f"{minutes}:{rest:02}"

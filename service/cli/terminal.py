@@ -1,0 +1,54 @@
+"""What every command prints with: tables for eyes, plain lines for programs, JSON on demand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Annotated
+
+import typer
+from pydantic import BaseModel
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+console = Console()
+
+AsJson = Annotated[bool, typer.Option("--json", help="Print the service's answer as JSON.")]
+SweepId = Annotated[str, typer.Argument(metavar="SWEEP", help="The id of a sweep.")]
+Identifier = Annotated[str, typer.Argument(metavar="ID", help="A sweep or a single run.")]
+
+Rows = Iterable[Sequence[object]]
+
+
+def say(line: str, console: Console = console) -> None:
+    """Print one line as it stands, however long it is and whatever brackets it has."""
+    console.print(line, markup=False, highlight=False, soft_wrap=True)
+
+
+def print_json(answer: BaseModel) -> None:
+    """Print an answer of the service."""
+    say(answer.model_dump_json(indent=2))
+
+
+def print_table(headings: Sequence[str], rows: Rows, console: Console = console) -> None:
+    """Print a table; where no terminal reads it, lines with tabs between the cells."""
+    if console.is_terminal:
+        console.print(table_of(headings, rows))
+        return
+    for row in (headings, *rows):
+        console.file.write("\t".join(plain(cell) for cell in row) + "\n")
+
+
+def table_of(headings: Sequence[str], rows: Rows) -> Table:
+    """The table for a terminal; long cells are folded, none is cut."""
+    table = Table(*headings, box=None, padding=(0, 2, 0, 0), header_style="bold")
+    for column in table.columns:
+        column.overflow = "fold"
+    for row in rows:
+        table.add_row(*(Text(plain(cell)) for cell in row))
+    return table
+
+
+def plain(cell: object) -> str:
+    """A cell as text that stays on its line and steers no terminal."""
+    return "".join(each if each.isprintable() else " " for each in str(cell))

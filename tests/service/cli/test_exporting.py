@@ -1,0 +1,81 @@
+"""What was measured, as files."""
+
+import csv
+import io
+from pathlib import Path
+
+import pytest
+
+from service.client import Client
+from service.store.store import Store
+from tests.service.cli.conftest import Command, as_json
+from tests.service.conftest import SWEEP
+from tests.service.training import RANDOM, random_return, rising, train
+
+
+@pytest.fixture
+def trained(service: Client, store: Store) -> str:
+    """A sweep whose first seeds' losses are not finite."""
+    for environment in ("MassPoint", "Pendulum"):
+        store.record_random_return(random_return(environment, RANDOM))
+    sweep = service.submit(SWEEP).id
+    train(store, 5, rising)
+    return sweep
+
+
+def test_every_measurement_is_a_line(d3pg: Command, service: Client, trained: str) -> None:
+    rows = list(csv.DictReader(io.StringIO(d3pg("export", trained).stdout)))
+    assert len(rows) == 12 * 5
+    assert list(rows[0])[:7] == [
+        "run", "algorithm", "environment", "w1", "w2", "seed", "timestep"
+    ]  # fmt: skip
+    run = service.run(rows[-1]["run"])
+    assert (rows[-1]["algorithm"], rows[-1]["seed"]) == (run.algorithm, str(run.seed))
+    columns = service.measurements(run.id).columns
+    own = [row for row in rows if row["run"] == run.id]
+    assert [float(row["return_mean"]) for row in own] == columns["return_mean"]
+
+
+def test_a_run_is_exported_alone_and_to_a_file(
+    d3pg: Command, service: Client, trained: str, tmp_path: Path
+) -> None:
+    run = next(service.runs(trained)).id
+    file = tmp_path / "run.csv"
+    assert "Wrote 5 measurements" in d3pg("export", run, "-o", str(file)).stdout
+    assert file.read_bytes().count(b"\r\n") == 6
+    assert as_json(d3pg("export", run, "--json"))["run_id"] == run
+
+
+def test_the_table_in_every_form(d3pg: Command, trained: str) -> None:
+    heading, *lines = d3pg("table", trained).stdout.splitlines()
+    assert heading == "algorithm\tMassPoint\tPendulum"
+    assert len(lines) == 3
+    assert any("*" in line for line in lines)
+    assert "95 %" in lines[-1]
+    assert as_json(d3pg("table", trained, "--json"))["normalized"] is True
+    assert d3pg("table", trained, "--format", "latex").stdout.startswith("\\begin{table}")
+    assert "|" in d3pg("table", trained, "--format", "markdown").stdout
+    assert "is_best" in d3pg("table", trained, "--format", "csv").stdout
+    raw = as_json(d3pg("table", trained, "--raw", "--json"))
+    assert raw["normalized"] is False
+
+
+@pytest.mark.parametrize(
+    ("form", "start"), [("png", b"\x89PNG"), ("pdf", b"%PDF"), ("svg", b"<?xml")]
+)
+def test_a_figure_is_saved(
+    d3pg: Command, trained: str, tmp_path: Path, form: str, start: bytes
+) -> None:
+    file = tmp_path / f"figure.{form}"
+    assert d3pg("plot", trained, "-o", str(file)).stdout == f"Wrote {file}\n"
+    assert file.read_bytes().startswith(start)
+
+
+def test_a_figure_of_the_paper_is_saved(d3pg: Command, trained: str, tmp_path: Path) -> None:
+    file = tmp_path / "four.svg"
+    d3pg("plot", trained, "-o", str(file), "--figure", "4")
+    assert b"Figure 4" in file.read_bytes()
+    assert (
+        "normalised"
+        in d3pg("plot", trained, "-o", str(file), "--figure", "4", "--raw", code=2).stderr
+    )

@@ -1,0 +1,54 @@
+"""`ls` and `show`: for programs lines with tabs, JSON on demand."""
+
+from service.client import Client
+from service.store.store import Store
+from tests.service.cli.conftest import Command, as_json
+from tests.service.conftest import SWEEP, changed
+from tests.service.training import rising, train
+
+
+def test_sweeps_are_lines_newest_first(d3pg: Command, service: Client) -> None:
+    first = service.submit(changed(name="[red]tab\there"))
+    second = service.submit(changed(name="two"))
+    heading, *lines = d3pg("ls").stdout.splitlines()
+    assert heading.split("\t")[:3] == ["sweep", "status", "progress"]
+    assert [line.split("\t")[0] for line in lines] == [second.id, first.id]
+    assert lines[1].split("\t")[4:] == ["12 queued", lines[1].split("\t")[5], "[red]tab here"]
+    assert as_json(d3pg("ls", "--json"))["items"][0]["id"] == second.id
+
+
+def test_a_longer_list_says_that_it_goes_on(d3pg: Command, service: Client) -> None:
+    for _ in range(2):
+        service.submit(SWEEP)
+    result = d3pg("ls", "--limit", "1")
+    assert len(result.stdout.splitlines()) == 2
+    assert "more than 1" in result.stderr
+
+
+def test_runs_are_filtered(d3pg: Command, service: Client, store: Store) -> None:
+    sweep = service.submit(SWEEP)
+    chosen = d3pg("ls", sweep.id, "--algorithm", "ddpg", "--environment", "Pendulum")
+    _, *lines = chosen.stdout.splitlines()
+    assert [line.split("\t")[5:8] for line in lines] == [
+        ["Pendulum", str(seed), "0/4000"] for seed in range(3)
+    ]
+    train(store, 5, rising)
+    assert len(as_json(d3pg("ls", sweep.id, "--status", "succeeded", "--json"))["items"]) == 12
+    assert len(d3pg("ls", sweep.id, "--status", "failed").stdout.splitlines()) == 1
+
+
+def test_filters_are_for_runs(d3pg: Command) -> None:
+    assert "name a SWEEP" in d3pg("ls", "--algorithm", "ddpg", code=2).stderr
+
+
+def test_a_sweep_and_a_run_are_shown(d3pg: Command, service: Client, store: Store) -> None:
+    sweep = service.submit(SWEEP)
+    assert "runs       12: 12 queued" in d3pg("show", sweep.id).stdout
+    assert as_json(d3pg("show", sweep.id, "--json"))["name"] == "small"
+    train(store, 5, rising)
+    run = next(service.runs(sweep.id))
+    shown = d3pg("show", run.id).stdout
+    assert "status     succeeded\n" in shown
+    assert "timestep   4,000 of 4,000" in shown
+    assert "attempt 1  succeeded on worker" in shown
+    assert as_json(d3pg("show", run.id, "--json"))["seed"] == 0

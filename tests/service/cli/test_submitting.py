@@ -1,0 +1,84 @@
+"""Submitting from files and flags."""
+
+from pathlib import Path
+
+import pytest
+import typer
+
+from service.cli.submitting import algorithm_of, duration, read_request
+from service.client import Client
+from tests.service.cli.conftest import Command, as_json
+
+YAML = (
+    "name: é [b]\nalgorithms: [{name: ddpg}]\nenvironments: [Pendulum]\nseeds: 2\ntimesteps: 800\n"
+)
+
+
+def test_a_request_is_read_as_it_stands(tmp_path: Path) -> None:
+    file = tmp_path / "sweep.yaml"
+    file.write_text("name: é [b]\nseeds: [1, 2]\n", encoding="utf-8")
+    assert read_request(file) == {"name": "é [b]", "seeds": [1, 2]}
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"), [("a: [", "not YAML"), ("- 1\n", "must hold a mapping")]
+)
+def test_a_bad_file_is_refused_by_name(tmp_path: Path, content: str, reason: str) -> None:
+    file = tmp_path / "sweep.yaml"
+    file.write_text(content)
+    with pytest.raises(typer.BadParameter, match=f"sweep.yaml.*{reason}"):
+        read_request(file)
+
+
+def test_a_missing_file_is_refused() -> None:
+    with pytest.raises(typer.BadParameter, match=r"cannot read nowhere\.yaml"):
+        read_request(Path("nowhere.yaml"))
+
+
+def test_weights_stand_behind_a_colon() -> None:
+    assert algorithm_of("ddpg") == {"name": "ddpg"}
+    assert algorithm_of("hybrid-ddpg:0.1,0") == {
+        "name": "hybrid-ddpg",
+        "weights": {"w1": 0.1, "w2": 0.0},
+    }
+    with pytest.raises(typer.BadParameter, match="NAME:W1,W2"):
+        algorithm_of("hybrid-ddpg:0.1")
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"), [(3.21, "3.2 s"), (59.9, "60 s"), (245, "4:05"), (3725, "1:02:05")]
+)
+def test_durations_in_words(seconds: float, text: str) -> None:
+    assert duration(seconds) == text
+
+
+def test_a_file_whose_fields_flags_replace(d3pg: Command, service: Client) -> None:
+    said = d3pg("submit", "-", "--seeds", "3", "--priority", "7", stdin=YAML).stdout
+    (sweep,) = service.sweeps()
+    assert said.splitlines()[0] == f"Sweep {sweep.id}: 3 runs queued."
+    assert said.splitlines()[1] == f"{service.url}/sweeps/{sweep.id}"
+    assert (sweep.name, sweep.priority, sweep.runs.queued) == ("é [b]", 7, 3)
+
+
+def test_flags_alone(d3pg: Command) -> None:
+    flags = ("-a", "ddpg", "-a", "hybrid-ddpg:0.1,0.01", "-e", "Pendulum", "-e", "MassPoint")
+    answer = as_json(d3pg("submit", *flags, "--timesteps", "800", "--json"))
+    assert answer["runs"]["queued"] == 4
+    assert answer["request"]["algorithms"][1]["weights"] == {"w1": 0.1, "w2": 0.01}
+    assert "at least --algorithm and" in d3pg("submit", "-a", "ddpg", code=2).stderr
+
+
+def test_the_same_key_is_the_same_sweep(d3pg: Command, service: Client) -> None:
+    for _ in range(2):
+        d3pg("submit", "-", "--key", "figure 4", stdin=YAML)
+    assert len(list(service.sweeps())) == 1
+
+
+def test_a_dry_run_counts_and_estimates(d3pg: Command, service: Client) -> None:
+    lines = d3pg("submit", "-", "--dry-run", stdin=YAML).stdout.splitlines()
+    assert lines[1].split("\t")[:6] == ["Pendulum", "ddpg", "0.0", "0.0", "800", "2"]
+    assert lines[2] == "2 runs, 1,600 timesteps; nothing was queued."
+    assert "of one core" in lines[3]
+    assert "on the 2 workers here" in lines[3]
+    assert as_json(d3pg("submit", "-", "--dry-run", "--json", stdin=YAML))["runs"]["total"] == 2
+    assert list(service.sweeps()) == []

@@ -1,0 +1,146 @@
+"""The client: typed answers, refusals as sentences, nothing heavy loaded."""
+
+import json
+import subprocess
+import sys
+from collections.abc import Iterator
+
+import httpx2
+import numpy as np
+import pytest
+from fastapi import FastAPI
+
+from service.client import Client, ServiceError
+from service.schemas.sweep_request import SweepRequest
+from service.store.store import Store
+from tests.service.conftest import SWEEP, TOKEN, changed
+from tests.service.served import served
+from tests.service.training import RANDOM, random_return, rising, train
+
+
+@pytest.fixture
+def service(app: FastAPI) -> Iterator[Client]:
+    """A client of a real server."""
+    with served(app) as url, Client(url, TOKEN) as client:
+        yield client
+
+
+@pytest.fixture
+def trained(service: Client, store: Store) -> str:
+    for environment in ("MassPoint", "Pendulum"):
+        store.record_random_return(random_return(environment, RANDOM))
+    sweep = service.submit(SWEEP).id
+    train(store, 5, rising)
+    return sweep
+
+
+def test_it_loads_neither_numba_nor_torch_nor_ray() -> None:
+    code = (
+        "import sys, service.client\n"
+        "print(*{'numba', 'torch', 'ray', 'matplotlib'} & set(sys.modules))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []
+
+
+def test_a_model_and_a_mapping_are_submitted_alike(service: Client) -> None:
+    of_mapping = service.submit(SWEEP)
+    of_model = service.submit(SweepRequest.model_validate(SWEEP))
+    assert of_mapping.request == of_model.request == SWEEP
+    assert of_mapping.id != of_model.id
+    assert [sweep.id for sweep in service.sweeps()] == [of_model.id, of_mapping.id]
+    assert service.sweep(of_model.id) == of_model
+
+
+def test_an_estimate_queues_nothing(service: Client) -> None:
+    answer = service.estimate(SWEEP)
+    assert answer.runs.total == 12
+    assert [cell.seeds for cell in answer.cells] == [3] * 4
+    assert list(service.sweeps()) == []
+
+
+def test_under_the_same_key_it_is_the_same_sweep(service: Client) -> None:
+    first = service.submit(SWEEP, key="mine")
+    assert service.submit(SWEEP, key="mine").id == first.id
+    with pytest.raises(ServiceError, match="submitted under this key") as refusal:
+        service.submit(changed(seeds=1), key="mine")
+    assert refusal.value.status == 422
+
+
+def test_an_answer_that_was_lost_is_asked_for_once_more(
+    service: Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    request, asked = service._http.request, []
+
+    def losing(*arguments: object, **options: object) -> httpx2.Response:
+        response = request(*arguments, **options)  # type: ignore[arg-type]
+        asked.append(response)
+        if len(asked) == 1:
+            raise httpx2.ReadError("the connection was cut")
+        return response
+
+    monkeypatch.setattr(service._http, "request", losing)
+    sweep = service.submit(SWEEP)
+    assert [json.loads(response.content)["id"] for response in asked] == [sweep.id] * 2
+
+
+def test_runs_come_page_after_page(service: Client) -> None:
+    sweep = service.submit(changed(seeds=5))
+    runs = list(service.runs(sweep.id, limit=3))
+    assert len({run.id for run in runs}) == len(runs) == 20
+    assert {run.algorithm for run in service.runs(sweep.id, algorithm="ddpg")} == {"ddpg"}
+
+
+def test_a_sweep_and_a_run_are_moved(service: Client) -> None:
+    sweep = service.submit(SWEEP)
+    run = next(service.runs(sweep.id))
+    assert service.move(run.id, "cancel").status == "cancelled"
+    assert service.move(sweep.id, "pause").status == "paused"
+    with pytest.raises(ServiceError) as refusal:
+        service.move(run.id, "resume")
+    assert refusal.value.status == 409
+
+
+def test_curves_become_an_array(service: Client, trained: str) -> None:
+    curves = service.curves(trained, metric="return_mean", seeds=True)
+    (panel,) = (panel for panel in curves.panels if panel.environment == "Pendulum")
+    values = np.array([[s.values for s in curve.seeds or []] for curve in panel.curves], float)
+    assert values.shape == (2, 3, 5)
+    means = np.array([curve.mean for curve in panel.curves], float)
+    np.testing.assert_allclose(values.mean(axis=1), means)
+
+
+def test_measurements_table_and_figure(service: Client, trained: str) -> None:
+    run = next(service.runs(trained))
+    measured = service.measurements(run.id)
+    assert measured.columns["timestep"] == [800, 1600, 2400, 3200, 4000]
+    assert service.measurements_csv(run.id).startswith("timestep,return_mean")
+    assert [attempt.outcome for attempt in service.attempts(run.id)] == ["succeeded"]
+    assert service.table(trained).environments == ["MassPoint", "Pendulum"]
+    assert "\\begin{tabular}" in service.table_text(trained, "latex")
+    assert service.figure(trained, "pdf").startswith(b"%PDF")
+    assert service.figure(trained, "png", "4").startswith(b"\x89PNG")
+
+
+def test_waiting_ends_with_the_sweep_or_the_timeout(service: Client, trained: str) -> None:
+    seen: list[float] = []
+    ended = service.wait(trained, progressed=lambda sweep: seen.append(sweep.progress))
+    assert ended.runs.succeeded == 12
+    assert seen == [1.0]
+    waiting = service.submit(SWEEP)
+    with pytest.raises(TimeoutError, match=waiting.id):
+        service.wait(waiting.id, timeout_seconds=0, poll_seconds=0)
+
+
+def test_a_refusal_names_every_fault(service: Client) -> None:
+    with pytest.raises(ServiceError) as refusal:
+        service.submit(changed(environments=["Pendulun"], algorithms=[{"name": "dpg"}]))
+    assert refusal.value.status == 422
+    for text in ("environments[0]", "Pendulum", "algorithms[0].name", "ddpg"):
+        assert text in str(refusal.value)
+
+
+def test_readiness_tells_what_is_missing(app: FastAPI, service: Client) -> None:
+    assert service.readiness().status == "ready"
+    app.state.dispatcher.problem = "the cluster is starting"
+    assert [check.problem for check in service.readiness().checks][-1] == "the cluster is starting"
