@@ -51,10 +51,10 @@ export class Player extends EventTarget {
       return;
     }
     if (this.step === this.#last) this.#position = 0;
-    let before = performance.now();
+    let before = null; // a frame's time is that of its beginning, which may lie before the click
     const advance = (now) => {
       if (!this.#playing) return;
-      this.#position += (this.#speed * (now - before)) / 1000 / this.#secondsPerStep;
+      this.#position += (this.#speed * (now - (before ?? now))) / 1000 / this.#secondsPerStep;
       before = now;
       if (this.#position >= this.#last) {
         this.#position = this.#last;
