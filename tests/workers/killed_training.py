@@ -1,0 +1,95 @@
+"""Training that is killed and taken up again, over and over; run by `test_kills`.
+
+Every attempt is a process of its own, forked off one that has compiled all kernels, and ended by
+SIGKILL at a random moment: while it looks for checkpoints, trains, or writes one (it writes one
+after every cycle).
+"""
+
+import hashlib
+import json
+import math
+import os
+import random
+import signal
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from algorithms.learner import Learner
+from algorithms.measurement import Divergence
+from workers import cadence
+from workers.assignment import Assignment
+from workers.execute import build_learner, execute
+from workers.run_spec import RunSpec
+
+
+def train(specs: Sequence[RunSpec], root: Path, attempt: int, result: Path) -> None:
+    """Train a cohort to its end, and write where it began and the digest of all it came to."""
+    learners: list[Learner] = []
+
+    def keep(asked: Sequence[RunSpec]) -> Learner:
+        learners.append(build_learner(asked))
+        return learners[-1]
+
+    runs = [Assignment(f"run-{spec.seed}", attempt, spec) for spec in specs]
+    said = list(execute(runs, root, tuple, os.abort, build_learner=keep))
+    begun = [resumption.timestep for progress in said for resumption in progress.resumed]
+    measured = {
+        (m.seed, m.timestep): (repr(m.return_mean), repr(m.return_history), repr(m.diagnostics))
+        for progress in said
+        for m in progress.measurements
+    }
+    digest = hashlib.sha256(repr(sorted(measured.items())).encode())
+    for learner in learners:
+        for seed in learner.seeds:
+            for name, array in sorted({**learner.state(seed), **learner.journal(seed, 0)}.items()):
+                if name != "seconds":
+                    digest.update(f"{seed} {name}".encode() + array.tobytes())
+    assert not any(isinstance(d, Divergence) for progress in said for d in progress.diverged)
+    result.write_text(json.dumps({"begun": begun, "digest": digest.hexdigest()}))
+
+
+def fork(specs: Sequence[RunSpec], root: Path, attempt: int, result: Path) -> int:
+    """Start an attempt; its process id."""
+    if pid := os.fork():
+        return pid
+    try:
+        train(specs, root, attempt, result)
+    finally:
+        os._exit(0 if result.exists() else 1)
+
+
+def main(algorithm: str, environment: str, timesteps: int, trials: int) -> None:
+    """Kill each trial twice, and print what came of them all."""
+    cadence.SHORTEST_SECONDS, cadence.SHARE = 0.0, math.inf
+    specs = [RunSpec(algorithm, environment, seed, (0.0, 0.0), timesteps) for seed in (0, 1)]
+    if algorithm.startswith("hybrid"):
+        specs = [RunSpec(s.algorithm, s.environment, s.seed, (0.1, 0.01), timesteps) for s in specs]
+    draw = random.Random(algorithm)  # noqa: S311
+    with tempfile.TemporaryDirectory() as folder:
+        scratch = Path(folder)
+        train(specs, scratch / "compiled", 1, scratch / "compiled.json")
+        begun = time.monotonic()
+        os.waitpid(fork(specs, scratch / "whole", 1, scratch / "whole.json"), 0)
+        seconds = time.monotonic() - begun
+        whole = json.loads((scratch / "whole.json").read_text())
+        equal = resumed = 0
+        for trial in range(trials):
+            root, result = scratch / f"{trial}", scratch / f"{trial}.json"
+            for attempt in (1, 2):
+                pid = fork(specs, root, attempt, result)
+                time.sleep(draw.uniform(0.1, 0.7) * seconds)
+                os.kill(pid, signal.SIGKILL)
+                os.waitpid(pid, 0)
+            result.unlink(missing_ok=True)
+            os.waitpid(fork(specs, root, 3, result), 0)
+            end = json.loads(result.read_text())
+            equal += end["digest"] == whole["digest"]
+            resumed += min(end["begun"]) > 0
+        print(json.dumps({"equal": equal, "resumed": resumed, "seconds": seconds}))  # noqa: T201
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], sys.argv[2], int(sys.argv[3]), int(sys.argv[4]))
