@@ -186,7 +186,7 @@ class StoreMachine(RuleBasedStateMachine):
     def cancel(self, data: st.DataObject) -> None:
         if not self.runs:
             return
-        name = data.draw(st.sampled_from(sorted(self.runs)))
+        name = data.draw(st.sampled_from(list(self.runs)))
         run = self.runs[name]
         try:
             self.store.cancel_run(name)
@@ -203,7 +203,7 @@ class StoreMachine(RuleBasedStateMachine):
     def move(self, data: st.DataObject, how: str) -> None:
         if not self.runs:
             return
-        name = data.draw(st.sampled_from(sorted(self.runs)))
+        name = data.draw(st.sampled_from(list(self.runs)))
         run = self.runs[name]
         source, target, idle = {
             "pause": (RunStatus.QUEUED, RunStatus.PAUSED, {RunStatus.PAUSED}),
