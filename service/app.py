@@ -29,6 +29,7 @@ from service.routes import (
     metrics,
     moves,
     pages,
+    rollouts,
     runs,
     scores,
     signin,
@@ -45,6 +46,7 @@ RESOURCES = (
     sweeps,
     runs,
     moves,
+    rollouts,
     measurements,
     curves,
     scores,
@@ -80,6 +82,7 @@ def create_app(settings: Settings, store: Store, dispatcher: Dispatcher) -> Fast
     app.state.dispatcher = dispatcher
     app.state.event_feed = EventFeed(store)
     app.state.side = SideProcess()
+    app.state.checkpoints = settings.checkpoints
     install_problem_handlers(app)
     api = APIRouter(prefix=PREFIX)
     for resource in RESOURCES:

@@ -28,6 +28,7 @@ from service.schemas.curves_answer import CurvesAnswer
 from service.schemas.measurements_answer import MeasurementsAnswer
 from service.schemas.page import Page
 from service.schemas.readiness_answer import ReadinessAnswer
+from service.schemas.rollout_answer import RolloutAnswer
 from service.schemas.run_answer import AttemptAnswer, ListedRunAnswer, RunAnswer
 from service.schemas.score_table_answer import ScoreTableAnswer
 from service.schemas.sweep_answer import DryRunAnswer, SweepAnswer
@@ -187,6 +188,10 @@ class Client:
         """A figure as a file's bytes: every curve of the sweep, or one of the paper's figures."""
         name = f"plot.{form}" if number is None else f"figures/{number}.{form}"
         return self._call("GET", f"/sweeps/{sweep_id}/{name}", params=options).content
+
+    def rollout(self, run_id: str, seed: int = 0) -> RolloutAnswer:
+        """An episode of what a run has learned, from the start that its task draws for a seed."""
+        return self._get(RolloutAnswer, f"/runs/{run_id}/rollout", seed=seed)
 
     def readiness(self) -> ReadinessAnswer:
         """What `/readyz` says of database and cluster, ready or not."""

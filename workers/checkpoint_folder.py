@@ -26,6 +26,11 @@ def newest_first(folder: Path) -> list[Path]:
     return [path for *_, path in sorted(found, reverse=True)]
 
 
+def has_policy(root: Path, run_id: str) -> bool:
+    """Whether what a run has learned was written. Raises ValueError for a name that is none."""
+    return (folder_of(root, run_id) / POLICY).exists()
+
+
 def remove_checkpoints(root: Path, run_id: str) -> None:
     """Remove the checkpoints of a run that has ended; its policy stays."""
     folder = folder_of(root, run_id)

@@ -19,6 +19,7 @@ from service.cli.exporting import export, plot, table
 from service.cli.following import watch
 from service.cli.listing import ls, show
 from service.cli.moving import cancel, pause, resume, retry
+from service.cli.rolling import rollout
 from service.cli.serving import serve
 from service.cli.submitting import submit
 from service.cli.terminal import console, say
@@ -32,7 +33,8 @@ app = typer.Typer(
 )
 app.add_typer(db.app)
 COMMANDS = (
-    serve, submit, ls, show, watch, cancel, pause, resume, retry, export, table, plot, doctor,
+    serve, submit, ls, show, watch, cancel, pause, resume, retry, export, table, plot, rollout,
+    doctor,
 )  # fmt: skip
 for command in COMMANDS:
     app.command()(command)

@@ -1,6 +1,7 @@
 """What routes are given: store, event feed, dispatcher; the sweep or run of their path."""
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Annotated, Protocol
 
 from fastapi import Depends, Request
@@ -42,11 +43,17 @@ def _dispatcher(request: Request) -> Dispatcher:
     return dispatcher
 
 
+def _checkpoints(request: Request) -> Path:
+    checkpoints: Path = request.app.state.checkpoints
+    return checkpoints
+
+
 def _side(request: Request) -> Side:
     side: Side = request.app.state.side
     return side
 
 
+TheCheckpoints = Annotated[Path, Depends(_checkpoints)]
 TheSide = Annotated[Side, Depends(_side)]
 TheStore = Annotated[Store, Depends(_store)]
 TheEventFeed = Annotated[EventFeed, Depends(_event_feed)]
@@ -60,7 +67,8 @@ def _sweep(sweep_id: str, store: TheStore) -> Sweep:
     return sweep
 
 
-def _run(run_id: str, store: TheStore) -> Run:
+def find_run(run_id: str, store: TheStore) -> Run:
+    """Return the run of that id. Raises NotFound."""
     run = store.find_run(run_id) if may_be_id(run_id) else None
     if run is None:
         raise NotFound(f"There is no run {printable(run_id)!r}.")
@@ -73,4 +81,4 @@ def may_be_id(text: str) -> bool:
 
 
 TheSweep = Annotated[Sweep, Depends(_sweep)]
-TheRun = Annotated[Run, Depends(_run)]
+TheRun = Annotated[Run, Depends(find_run)]

@@ -6,13 +6,14 @@ import numpy as np
 from fastapi import APIRouter, Query, Request, Response
 from pydantic import Field
 
-from service.routes.context import TheRun, TheStore, TheSweep
+from service.routes.context import TheCheckpoints, TheRun, TheStore, TheSweep
 from service.run import RunStatus
 from service.schemas.number import numbers
 from service.schemas.page import Page, PageQuery, page_of, read_cursor
 from service.schemas.run_answer import AttemptAnswer, ListedRunAnswer, RunAnswer
 from service.schemas.sweep_request import Name
 from service.store.run_order import By, RunOrder
+from workers.checkpoint_folder import has_policy
 
 router = APIRouter(tags=["runs"])
 
@@ -57,9 +58,12 @@ def list_runs(
 
 
 @router.get("/runs/{run_id}")
-def get_run(run: TheRun) -> RunAnswer:
-    """Show a run."""
-    return RunAnswer.of(run)
+def get_run(run: TheRun, checkpoints: TheCheckpoints) -> RunAnswer:
+    """Show a run; its links have `rollout` where it has learned something to act with."""
+    answer = RunAnswer.of(run)
+    if has_policy(checkpoints, run.id):
+        answer.links["rollout"] = f"{answer.links['self']}/rollout"
+    return answer
 
 
 @router.get("/runs/{run_id}/attempts")

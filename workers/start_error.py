@@ -1,0 +1,5 @@
+"""What is said of a start that no episode can have."""
+
+
+class StartError(ValueError):
+    """No episode starts there; the text says why."""
