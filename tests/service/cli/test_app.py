@@ -68,4 +68,5 @@ def test_every_command_explains_itself() -> None:
 
 
 def test_the_shell_can_complete() -> None:
-    assert "_D3PG_COMPLETE" in runner.invoke(app, ["--show-completion", "bash"]).output
+    asked = {"_D3PG_COMPLETE": "complete_bash", "COMP_WORDS": "d3pg re", "COMP_CWORD": "1"}
+    assert runner.invoke(app, prog_name="d3pg", env=asked).stdout.split() == ["resume", "retry"]
