@@ -54,6 +54,7 @@ class GDLearner:
         self._shape = shape_of(environment, config)
         coordinates = coordinates_of(environment)
         self._runs = [GDRun(environment, coordinates, seed, config) for seed in seeds]
+        self._by_seed = dict(zip(seeds, self._runs, strict=True))  # those that ended stay here
         self.timestep = 0
 
     @property
@@ -96,7 +97,7 @@ class GDLearner:
 
     def state(self, seed: int) -> State:
         """All that the run's next bits depend on."""
-        return self._run(seed).state()
+        return self._by_seed[seed].state()
 
     def journal(self, seed: int, start: int) -> State:
         """Nothing: no update looks back beyond its own episodes."""
@@ -110,11 +111,8 @@ class GDLearner:
         self._count()
 
     def snapshot(self, seed: int) -> Snapshot:
-        """What the run has learned so far."""
-        return self._run(seed).snapshot()
-
-    def _run(self, seed: int) -> GDRun:
-        return self._runs[self.seeds.index(seed)]
+        """What the run has learned so far, or by its end."""
+        return self._by_seed[seed].snapshot()
 
     def _count(self) -> None:
         self.timestep = min(self._timesteps, *(run.timestep for run in self._runs))

@@ -65,4 +65,7 @@ class Learner(Protocol):
         """
 
     def snapshot(self, seed: int) -> Snapshot | None:
-        """What was learned so far, to act and to look at; None for those that learn no policy."""
+        """What was learned so far, to act and to look at; None for those that learn no policy.
+
+        Also of a run that has just ended: that is when its last snapshot is taken.
+        """

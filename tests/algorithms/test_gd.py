@@ -91,6 +91,13 @@ def test_a_plateau_ends_a_run() -> None:
     assert len(curve) - 1 - int(np.argmax(means)) == 12
 
 
+def test_what_a_run_has_learned_outlives_it() -> None:
+    learner = GDLearner(physics.make("MassPoint"), [0, 1], 800, GDConfig())
+    events(learner)
+    assert learner.seeds == []
+    assert learner.snapshot(1).timestep >= 800
+
+
 def test_it_refuses_a_task_without_reward_gradient() -> None:
     with pytest.raises(ValueError, match=r"gd needs the reward's gradient, and that of Acrobot"):
         algorithms.build("gd", "Acrobot", [0])
