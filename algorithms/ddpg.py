@@ -99,11 +99,8 @@ class DDPGAgent:
         self._statistics = Statistics(coordinates, environment.action_size)
         self._perturbations = 0
         self._noise = ParameterNoise(config.noise, network.noisy_size(actor))
-        memory = empty_memory(
-            min(config.replay_size, timesteps), environment.feature_size,
-            environment.action_size, coordinates.seen.size + environment.action_size,
-            linearized=self._matched,
-        )  # fmt: skip
+        capacity = min(config.replay_size, timesteps)
+        memory = empty_memory(capacity, environment, coordinates, linearized=self._matched)
         self.replay = Replay(memory, environment.state_size)
         self._means = UpdateMeans(MEANS)
 

@@ -23,6 +23,7 @@ from algorithms.layer import Array
 from algorithms.scaling import Coordinates, Scaling, coordinate_slopes, normalise
 from algorithms.state import State
 from physics.compiled import compiled_fast
+from physics.environment import Environment
 
 REFILL_ROWS = 4096
 """Transitions worked out at once from a journal: few enough to need no memory to speak of."""
@@ -69,9 +70,11 @@ class Batch(NamedTuple):
 
 
 def empty_memory(
-    capacity: int, feature_size: int, action_size: int, columns: int, linearized: bool
+    capacity: int, environment: Environment, coordinates: Coordinates, *, linearized: bool
 ) -> Memory:
     """Room for `capacity` transitions; the system hands out its pages as they are filled."""
+    feature_size, action_size = environment.feature_size, environment.action_size
+    columns = coordinates.seen.size + action_size
     kept = capacity if linearized else 0
     shapes = [
         (capacity, feature_size),

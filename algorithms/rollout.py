@@ -157,12 +157,7 @@ class Rollout:
         return linearization.transition
 
     def _empty(self, rows: int) -> Memory:
-        environment = self._environment
-        columns = self._coordinates.seen.size + environment.action_size
-        return empty_memory(
-            rows, environment.feature_size, environment.action_size, columns,
-            linearized=self._linearized,
-        )  # fmt: skip
+        return empty_memory(rows, self._environment, self._coordinates, linearized=self._linearized)
 
     def _begin_episodes(self, runs: Sequence[int], begin: Callable[[int], None]) -> None:
         for k in runs:

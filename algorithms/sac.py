@@ -109,11 +109,8 @@ class SACAgent:
         self._networks = initial_networks(self._shapes, seed)
         self._statistics = Statistics(coordinates, environment.action_size)
         self._explorations = 0
-        memory = empty_memory(
-            min(config.replay_size, timesteps), environment.feature_size,
-            environment.action_size, coordinates.seen.size + environment.action_size,
-            linearized=self._matched,
-        )  # fmt: skip
+        capacity = min(config.replay_size, timesteps)
+        memory = empty_memory(capacity, environment, coordinates, linearized=self._matched)
         self.replay = Replay(memory, environment.state_size)
         self._means = UpdateMeans(MEANS)
 

@@ -23,7 +23,7 @@ from typing import Any, Literal, Self, TypeVar
 import httpx2
 from pydantic import BaseModel
 
-from service.figure_form import Form
+from service.figures.figure_form import Form
 from service.schemas.curves_answer import CurvesAnswer
 from service.schemas.measurements_answer import MeasurementsAnswer
 from service.schemas.page import Page

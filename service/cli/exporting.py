@@ -14,7 +14,7 @@ import typer
 
 from service.cli.terminal import AsJson, Identifier, SweepId, print_json, print_table, say
 from service.client import Client, is_run
-from service.figure_form import MEDIA_TYPES
+from service.figures.figure_form import MEDIA_TYPES
 from service.schemas.run_answer import RunAnswer
 from service.schemas.score_table_answer import EntryAnswer, inert
 

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 from fastapi import APIRouter, Query, Response
 
 from service.comparison import Comparison
-from service.figure_form import MEDIA_TYPES, Form
+from service.figures.figure_form import MEDIA_TYPES, Form
 from service.problems import Busy, Fault, InvalidRequest, NotFound
 from service.routes.context import TheSide, TheStore, TheSweep
 from service.routes.curves import BandQuery, compared
@@ -90,7 +90,7 @@ def _drawn(
         message = f"has {curves} curves; a figure shows at most {MAX_CURVES}"
         raise InvalidRequest([Fault("sweep", message, MAX_CURVES)])
     try:
-        picture = side.call("service.plot:draw", f"{title} ({sweep.id})", rows, form)
+        picture = side.call("service.figures.plot:draw", f"{title} ({sweep.id})", rows, form)
     except (BusyError, TooSlowError, EOFError) as error:
         raise Busy(f"The figure could not be drawn: {error}.") from error
     return Response(picture, media_type=MEDIA_TYPES[form])

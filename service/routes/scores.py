@@ -8,18 +8,18 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from service.comparison import grouped
 from service.environment import best_return
-from service.paired_difference import paired_differences
 from service.problems import Fault, InvalidRequest
 from service.routes.context import TheStore, TheSweep
 from service.routes.negotiation import asked_form
 from service.routes.revalidation import RevalidatedRoute
 from service.schemas.score_table_answer import ScoreTableAnswer, score_table_csv
 from service.schemas.statistics_answer import StatisticsAnswer
-from service.score_table import ScoreTable, score_table
-from service.score_table_text import latex, markdown
-from service.scores import CellScores, latest_scores
+from service.statistics.paired_difference import paired_differences
+from service.statistics.score_table import ScoreTable, score_table
+from service.statistics.score_table_text import latex, markdown
+from service.statistics.scores import CellScores, latest_scores
+from service.statistics.sweep_statistics import sweep_statistics
 from service.sweep import Sweep
-from service.sweep_statistics import sweep_statistics
 
 router = APIRouter(prefix="/sweeps/{sweep_id}", tags=["curves"], route_class=RevalidatedRoute)
 

@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from service.schemas.number import finite_or_none
 from service.schemas.run_answer import WeightsAnswer
-from service.score_table import Entry, ScoreTable
+from service.statistics.score_table import Entry, ScoreTable
 
 FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r")
 COLUMNS = (

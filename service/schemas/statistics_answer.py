@@ -4,11 +4,11 @@ from typing import Self
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from service.paired_difference import PairedDifference
 from service.schemas.number import Numbers, finite_or_none, numbers
-from service.score_statistics import Profile
-from service.stratified_bootstrap import RESAMPLES, Estimate
-from service.sweep_statistics import Improvement, LabelStatistics, SweepStatistics
+from service.statistics.paired_difference import PairedDifference
+from service.statistics.score_statistics import Profile
+from service.statistics.stratified_bootstrap import RESAMPLES, Estimate
+from service.statistics.sweep_statistics import Improvement, LabelStatistics, SweepStatistics
 
 INTERVAL_TEXT = (
     f"Interval: 95 %, stratified bootstrap ({RESAMPLES} resamples of the runs within each task, "

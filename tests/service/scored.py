@@ -7,7 +7,7 @@ import numpy as np
 
 from service.run import RunStatus
 from service.run_curve import RunCurve
-from service.scores import CellScores
+from service.statistics.scores import CellScores
 from workers.run_spec import RunSpec
 
 

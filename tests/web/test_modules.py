@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page
 
-from service.palette import COLOURS, colour
+from service.figures.palette import COLOURS, colour
 
 pytestmark = pytest.mark.browser
 

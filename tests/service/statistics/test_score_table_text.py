@@ -3,8 +3,8 @@
 import math
 import re
 
-from service.score_table import ScoreTable, score_table
-from service.score_table_text import latex, markdown
+from service.statistics.score_table import ScoreTable, score_table
+from service.statistics.score_table_text import latex, markdown
 from tests.service.scored import cell
 
 SPECIAL = r"50% of $x_1^2 & {a}|b* #~\ <i>"

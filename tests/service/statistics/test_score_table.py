@@ -2,7 +2,7 @@
 
 import math
 
-from service.score_table import score_table
+from service.statistics.score_table import score_table
 from tests.service.scored import cell
 
 NAN = math.nan

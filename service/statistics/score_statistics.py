@@ -15,7 +15,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from service.curves import Floats
-from service.stratified_bootstrap import RESAMPLES, TAILS, Estimate, draw_counts, estimate
+from service.statistics.stratified_bootstrap import (
+    RESAMPLES,
+    TAILS,
+    Estimate,
+    draw_counts,
+    estimate,
+)
 
 TRIMMED = 0.25  # at either end
 

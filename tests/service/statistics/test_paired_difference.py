@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from service.paired_difference import PairedDifference, area, paired_differences
 from service.run_curve import RunCurve
+from service.statistics.paired_difference import PairedDifference, area, paired_differences
 from tests.service.scored import run_curve
 from tests.service.training import random_return
 

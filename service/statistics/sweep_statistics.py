@@ -13,15 +13,15 @@ import numpy as np
 from algorithms.threads import one_thread
 from service.comparison import grouped
 from service.curves import Floats
-from service.score_statistics import (
+from service.statistics.score_statistics import (
     Profile,
     interquartile_mean,
     paired_probability_of_improvement,
     performance_profile,
     probability_of_improvement,
 )
-from service.scores import CellScores
-from service.stratified_bootstrap import Estimate
+from service.statistics.scores import CellScores
+from service.statistics.stratified_bootstrap import Estimate
 
 THRESHOLDS = 101
 LOWEST_THRESHOLD = -1.0

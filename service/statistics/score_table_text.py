@@ -6,7 +6,7 @@ Names are shown as they are: what means something to Markdown or LaTeX is escape
 import re
 import unicodedata
 
-from service.score_table import Entry, ScoreTable
+from service.statistics.score_table import Entry, ScoreTable
 
 NOTHING = "–"
 MARKDOWN_SPECIAL = re.compile(r"([\\`*_{}\[\]()<>#+!|~&$-])")

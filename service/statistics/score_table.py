@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from service.comparison import METRIC_TEXT, NORMALISED_TEXT
-from service.sample import Sample, sample
-from service.scores import CellScores
+from service.statistics.sample import Sample, sample
+from service.statistics.scores import CellScores
 from workers.run_spec import RunSpec
 
 

@@ -7,13 +7,13 @@ import pytest
 from scipy import stats
 
 from service.curves import Floats
-from service.score_statistics import (
+from service.statistics.score_statistics import (
     interquartile_mean,
     paired_probability_of_improvement,
     performance_profile,
     probability_of_improvement,
 )
-from service.stratified_bootstrap import draw_counts
+from service.statistics.stratified_bootstrap import draw_counts
 
 
 def arrays(*tasks: list[float]) -> list[Floats]:

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from service.run import RunStatus
-from service.scores import latest_scores
+from service.statistics.scores import latest_scores
 from tests.service.scored import run_curve
 from tests.service.training import random_return
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from service.sweep_statistics import sweep_statistics
+from service.statistics.sweep_statistics import sweep_statistics
 from tests.service.scored import cell
 
 NAN = math.nan

@@ -18,7 +18,7 @@ import numpy as np
 from service.comparison import grouped, label_cells, scale
 from service.curves import Floats
 from service.run_curve import RunCurve
-from service.sample import Sample, sample
+from service.statistics.sample import Sample, sample
 from workers.random_return import RandomReturn
 
 BASELINES = {"hybrid-ddpg": "ddpg", "hybrid-ddpg-cosine": "ddpg", "hybrid-sac": "sac"}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from service.sample import sample
+from service.statistics.sample import sample
 
 
 def test_worked_by_hand() -> None:

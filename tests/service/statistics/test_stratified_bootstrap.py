@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from service.stratified_bootstrap import RESAMPLES, draw_counts, estimate
+from service.statistics.stratified_bootstrap import RESAMPLES, draw_counts, estimate
 
 
 def test_each_resample_has_as_many_runs() -> None:

@@ -21,8 +21,8 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import EngFormatter
 
 from service.comparison import Comparison, LabelledCurve, Panel, definition
-from service.figure_form import Form
-from service.palette import colour
+from service.figures.figure_form import Form
+from service.figures.palette import colour
 
 Style = Mapping[str, Any]
 

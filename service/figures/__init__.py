@@ -1,0 +1,1 @@
+"""A sweep as a picture file, drawn with matplotlib."""
