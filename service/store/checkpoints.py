@@ -13,9 +13,9 @@ from typing import Any
 from sqlalchemy import Connection, Row, delete, select, update
 
 from service.run import FINAL, RunStatus
-from service.store import events
+from service.store.claims import tell
 from service.store.runs import ordinal_of, run_name
-from service.store.tables import attempts, has_checkpoint, measurements, runs, sweeps
+from service.store.tables import attempts, measurements, runs, sweeps
 from workers.progress import CheckpointAttempt, Progress, Resumption
 
 Rows = Mapping[int, Row[Any]]
@@ -57,17 +57,36 @@ def _begin(
 
 
 def note(connection: Connection, held: Rows, written: Sequence[CheckpointAttempt]) -> None:
-    """Note each run's newest checkpoint, and as its reason why one could not be written."""
-    for attempt in {entry.seed: entry for entry in written}.values():
-        if row := held.get(attempt.seed):
-            if not attempt.problem:
-                connection.execute(
-                    update(runs)
-                    .where(runs.c.number == row.number)
-                    .values(checkpoint_timestep=attempt.timestep)
-                )
-            if attempt.problem != row.reason:
-                _say(connection, row, attempt.problem, attempt.timestep)
+    """Note each run's newest checkpoint, or in its reason why one could not be written.
+
+    The reason goes on saying what there was to say of where the run was taken up.
+    """
+    newest = {entry.seed: entry for entry in written if entry.seed in held}
+    notes = _notes(connection, [held[seed] for seed in newest])
+    for seed, attempt in newest.items():
+        row = held[seed]
+        if not attempt.problem:
+            connection.execute(
+                update(runs)
+                .where(runs.c.number == row.number)
+                .values(checkpoint_timestep=attempt.timestep)
+            )
+        reason = ", ".join(filter(None, (notes[row.number], attempt.problem)))
+        if reason != row.reason:
+            _say(connection, row, reason, attempt.timestep)
+
+
+def _notes(connection: Connection, rows: Sequence[Row[Any]]) -> dict[int, str]:
+    """The notes of the attempts that the rows are of, by run number."""
+    if not rows:
+        return {}
+    query = (
+        select(attempts.c.run_number, attempts.c.note)
+        .join(runs, runs.c.number == attempts.c.run_number)
+        .where(runs.c.number.in_([row.number for row in rows]))
+        .where(attempts.c.attempt == runs.c.attempt)
+    )
+    return {number: said for number, said in connection.execute(query)}  # noqa: C416
 
 
 def _say(connection: Connection, row: Row[Any], reason: str, timestep: int) -> None:
@@ -75,30 +94,22 @@ def _say(connection: Connection, row: Row[Any], reason: str, timestep: int) -> N
     if row.is_cancelling:
         return
     connection.execute(update(runs).where(runs.c.number == row.number).values(reason=reason))
-    entry = events.run_changed(
-        row.sweep_number,
-        run_name(row.sweep_id, row.ordinal),
-        status=RunStatus.RUNNING,
-        reason=reason,
-        attempt=row.attempt,
-        timestep=timestep,
-    )
-    events.append(connection, [entry])
+    tell(connection, row, RunStatus.RUNNING, reason, timestep)
 
 
 def of_ended(connection: Connection, limit: int) -> list[str]:
-    """Return runs that have ended and still have checkpoints."""
+    """Return runs that have ended and may have files of checkpoints."""
     query = (
         select(sweeps.c.id, runs.c.ordinal)
         .join(sweeps, sweeps.c.number == runs.c.sweep_number)
-        .where(has_checkpoint, runs.c.status.in_(FINAL))
+        .where(runs.c.may_have_files, runs.c.status.in_(FINAL))
         .limit(limit)
     )
     return [run_name(sweep_id, ordinal) for sweep_id, ordinal in connection.execute(query)]
 
 
 def forget(connection: Connection, run_ids: Sequence[str]) -> None:
-    """Note that these runs have no checkpoint any more."""
+    """Note that these runs have no files of checkpoints, unless they were tried again meanwhile."""
     for run_id in run_ids:
         number = select(sweeps.c.number).where(sweeps.c.id == run_id.partition("-")[0])
         connection.execute(
@@ -106,6 +117,7 @@ def forget(connection: Connection, run_ids: Sequence[str]) -> None:
             .where(
                 runs.c.sweep_number == number.scalar_subquery(),
                 runs.c.ordinal == ordinal_of(run_id),
+                runs.c.status.in_(FINAL),
             )
-            .values(checkpoint_timestep=0)
+            .values(checkpoint_timestep=0, may_have_files=False)
         )

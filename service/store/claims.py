@@ -61,6 +61,7 @@ def claim(connection: Connection, worker: str, lease_seconds: float, limit: int)
             attempt=runs.c.attempt + 1,
             timestep=runs.c.checkpoint_timestep,
             resumed_timestep=None,
+            may_have_files=True,
             lease_until=now() + lease_seconds,
             started_at=func.coalesce(runs.c.started_at, now()),
         )
@@ -147,6 +148,21 @@ def held_rows() -> Select[Any]:
     """Select runs with their sweep's name and whether it is paused."""
     of_sweep = (sweeps.c.id.label("sweep_id"), sweeps.c.paused_at)
     return select(runs, *of_sweep).join(sweeps, sweeps.c.number == runs.c.sweep_number)
+
+
+def tell(
+    connection: Connection, row: Row[Any], status: RunStatus, reason: str, timestep: int
+) -> None:
+    """Append the event of a held run's new status or reason."""
+    entry = events.run_changed(
+        row.sweep_number,
+        run_name(row.sweep_id, row.ordinal),
+        status=status,
+        reason=reason,
+        attempt=row.attempt,
+        timestep=timestep,
+    )
+    events.append(connection, [entry])
 
 
 def has_expired(connection: Connection) -> bool:

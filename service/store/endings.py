@@ -6,11 +6,9 @@ from sqlalchemy import Connection, Row, update
 
 from service.claim import Claim
 from service.run import RunStatus
-from service.store import events
-from service.store.claims import has_ended, held_rows, held_runs
+from service.store.claims import has_ended, held_rows, held_runs, tell
 from service.store.column_types import now
 from service.store.retry import RetryPolicy
-from service.store.runs import run_name
 from service.store.tables import attempts, runs
 
 STOPPED = "cancelled while it was running"
@@ -113,16 +111,7 @@ def _move(
             is_cancelling=False,
         )
     )
-    name = run_name(row.sweep_id, row.ordinal)
-    entry = events.run_changed(
-        row.sweep_number,
-        name,
-        status=status,
-        reason=reason,
-        attempt=row.attempt,
-        timestep=timestep,
-    )
-    events.append(connection, [entry])
+    tell(connection, row, status, reason, timestep)
 
 
 def _close_attempt(

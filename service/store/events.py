@@ -27,7 +27,7 @@ def run_changed(
     attempt: int,
     timestep: int,
 ) -> Entry:
-    """Return the entry for a run whose status changed."""
+    """Return the entry for a run whose status or reason changed."""
     payload = {
         "sweep_id": run_id.partition("-")[0],
         "run_id": run_id,

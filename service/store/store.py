@@ -236,11 +236,11 @@ class Store:
         return self._writer.write(lambda c: endings.lose_expired(c, self._retry))
 
     def ended_with_checkpoints(self, limit: int) -> list[str]:
-        """Return runs that have ended and still have checkpoints."""
+        """Return runs that have ended and may have files of checkpoints."""
         return self._reader.read(lambda c: checkpoints.of_ended(c, limit))
 
     def forget_checkpoints(self, run_ids: Sequence[str]) -> None:
-        """Note that these runs have no checkpoint any more."""
+        """Note that these runs have no such files, unless they were tried again meanwhile."""
         self._writer.write(lambda c: checkpoints.forget(c, run_ids))
 
     # ---- what was measured

@@ -24,6 +24,7 @@ from sqlalchemy import (
     Table,
     Text,
     UniqueConstraint,
+    false,
     literal,
     text,
 )
@@ -89,6 +90,8 @@ runs = Table(
     Column("checkpoint_timestep", BigInteger, nullable=False, default=0, server_default="0"),
     Column("resumed_timestep", BigInteger),  # NULL until the current attempt's worker says
     Column("memory_bytes", BigInteger),
+    # Set by a claim, not by what a worker tells: it may be lost between writing and telling.
+    Column("may_have_files", Boolean, nullable=False, default=False, server_default=false()),
     UniqueConstraint("sweep_number", "ordinal"),
     CheckConstraint("(status = 'running') = (lease_until IS NOT NULL)", name="lease"),
     sqlite_autoincrement=True,
@@ -114,13 +117,11 @@ Index(
     sqlite_where=_running,
     postgresql_where=_running,
 )
-has_checkpoint = runs.c.checkpoint_timestep > literal(0, literal_execute=True)
-_checkpointed = text("checkpoint_timestep > 0")
 Index(
-    "ix_runs_checkpointed",
+    "ix_runs_may_have_files",
     runs.c.status,
-    sqlite_where=_checkpointed,
-    postgresql_where=_checkpointed,
+    sqlite_where=text("may_have_files = 1"),
+    postgresql_where=text("may_have_files"),
 )
 
 attempts = Table(

@@ -154,6 +154,72 @@ def test_a_checkpoint_that_could_not_be_written_is_the_reason_until_one_is(
     assert (run.reason, run.checkpoint_timestep) == ("", 1000)
 
 
+def test_what_is_said_of_where_a_run_was_taken_up_stays_until_it_ends(
+    store: Store, submit: Submit
+) -> None:
+    run_id = f"{submit(seeds=1).id}-0"
+    first = claim_of(store)
+    train(store, first, 800, checkpoint=800)
+    store.lose(first, "its worker was lost")
+    second = claim_of(store)
+    damaged = "newest checkpoint damaged (hash mismatch), resumed from step 400"
+    begin(store, second, Resumption(0, 400, note=damaged))
+    problem = "its checkpoint of step 1600 could not be written: No space left on device"
+
+    def reason_after(*written: CheckpointAttempt) -> str:
+        store.record(second, Progress(1600, checkpoints=written))
+        run = store.find_run(run_id)
+        assert run is not None
+        return run.reason
+
+    assert reason_after(CheckpointAttempt(0, 1000)) == damaged
+    assert reason_after(CheckpointAttempt(0, 1600, problem)) == f"{damaged}, {problem}"
+    assert reason_after() == f"{damaged}, {problem}"
+    before = store.last_event_id()
+    assert reason_after(CheckpointAttempt(0, 1700)) == damaged
+    assert reason_after(CheckpointAttempt(0, 1800)) == damaged
+    assert [event.payload["reason"] for event in store.events_after(before)] == [damaged]
+
+
+def test_files_that_nobody_told_of_are_to_be_removed_too(store: Store, submit: Submit) -> None:
+    """Its worker is lost between writing a checkpoint and telling of it."""
+    run_id = f"{submit(seeds=1).id}-0"
+    store.cancel_run(f"{submit(seeds=1).id}-0")  # no worker had it: it has no files
+    claim = claim_of(store)
+    store.lose(claim, "its worker was lost")
+    assert store.ended_with_checkpoints(10) == []
+    store.cancel_run(run_id)
+    assert store.ended_with_checkpoints(10) == [run_id]
+    store.forget_checkpoints([run_id])
+    assert store.ended_with_checkpoints(10) == []
+
+
+def test_a_refused_checkpoints_files_are_to_be_removed_when_the_run_has_ended(
+    store: Store, submit: Submit
+) -> None:
+    run_id = f"{submit(seeds=1).id}-0"
+    first = claim_of(store)
+    train(store, first, 800, checkpoint=800)
+    store.lose(first, "its worker was lost")
+    second = claim_of(store)
+    begin(store, second, Resumption(0, 0, note="its checkpoint was made by other code"))
+    store.fail(second, "ValueError: x")
+    assert store.ended_with_checkpoints(10) == [run_id]
+
+
+def test_a_run_that_is_tried_again_meanwhile_keeps_what_it_has(
+    store: Store, submit: Submit
+) -> None:
+    run_id = f"{submit(seeds=1).id}-0"
+    store.fail(claim_of(store), "ValueError: x")
+    assert store.ended_with_checkpoints(10) == [run_id]
+    store.retry_run(run_id)
+    again = claim_of(store)
+    store.forget_checkpoints([run_id])
+    store.fail(again, "ValueError: x")
+    assert store.ended_with_checkpoints(10) == [run_id]
+
+
 def test_checkpoints_of_ended_runs_are_to_be_removed_once(store: Store, submit: Submit) -> None:
     sweep = submit(seeds=3)
     claim = claim_of(store)

@@ -1,11 +1,11 @@
 """Migrations: what they make is what `tables` says, and each can be undone."""
 
-from sqlalchemy import inspect
+from sqlalchemy import inspect, select
 
 from service.store import migration
 from service.store.connection import connect
 from service.store.store import Store
-from service.store.tables import metadata
+from service.store.tables import metadata, runs
 from tests.service.store.conftest import Submit
 
 
@@ -40,6 +40,21 @@ def test_indexes_that_migrations_make_are_those_of_the_tables(url: str) -> None:
     declared = {name: {i.name for i in t.indexes} for name, t in metadata.tables.items()}
     engine.dispose()
     assert made == declared
+
+
+def test_whatever_a_worker_once_had_may_have_left_files(
+    store: Store, submit: Submit, url: str
+) -> None:
+    submit(seeds=2)
+    assert store.claim_cohort("worker-1", 60.0, limit=1) is not None
+    store.close()
+    engine = connect(url, "writer")
+    migration.downgrade(engine, "0003")
+    migration.upgrade(engine)
+    with engine.connect() as connection:
+        query = select(runs.c.may_have_files).order_by(runs.c.ordinal)
+        assert list(connection.scalars(query)) == [True, False]
+    engine.dispose()
 
 
 def test_opening_again_keeps_everything(store: Store, submit: Submit, url: str) -> None:
