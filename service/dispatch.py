@@ -62,6 +62,7 @@ class Dispatcher:
         self._state = State()
         self._events: deque[Event] = deque()
         self._commands: deque[Command] = deque()
+        self._reports_in_hand = 0
         self._store_problem = ""
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._run, name="dispatch", daemon=True)
@@ -99,6 +100,11 @@ class Dispatcher:
         self._close()
 
     def _close(self) -> None:
+        try:
+            self._listen()
+            self._take_in()
+        except Exception:  # it will be measured again
+            log.exception("the last reports could not be recorded")
         for cohort in self._state.cohorts.values():
             try:
                 self._store.release(cohort.claim, "the service was stopped")
@@ -111,11 +117,19 @@ class Dispatcher:
         self._listen()
         with DISPATCH_SECONDS.time():
             self._carry_out()
-            while self._events:
-                self._advance(self._events.popleft())
-                self._carry_out()
+            self._take_in()
             self._advance(Tick())
             self._carry_out()
+
+    def _take_in(self) -> None:
+        """Give the scheduler what was reported; once it is recorded the pool need not keep it."""
+        while self._events:
+            self._reports_in_hand += not isinstance(self._events[0], PoolLost)
+            self._advance(self._events.popleft())
+            self._carry_out()
+        if self._reports_in_hand and self._state.pool_is_up:
+            self._pool.acknowledge(self._reports_in_hand)
+        self._reports_in_hand = 0
 
     def _listen(self) -> None:
         """Wait for reports; also while the database refuses, for silence must mean silence."""

@@ -123,10 +123,9 @@ def step(  # noqa: PLR0911, PLR0912  (one an event)
             return _tick(state, now, times)
         case Ready(worker):
             known = worker in state.idle or worker in state.cohorts
-            up = replace(state, problem="", lost_since="", restart_wait=0.0)
-            return up if known else _free(up, worker), []
+            return _up(state) if known else _free(_up(state), worker), []
         case Busy(worker, cohort, note) if not _trains(state, worker, cohort):
-            return _with(state, worker, Cohort(cohort, Claim.from_json(note), now)), []
+            return _with(_up(state), worker, Cohort(cohort, Claim.from_json(note), now)), []
         case News(worker, cohort) if _trains(state, worker, cohort):
             heard = replace(state.cohorts[worker], heard_at=now)
             return _with(state, worker, heard), [Record(heard.claim, event)]
@@ -208,6 +207,11 @@ def _gone(progress: Progress) -> frozenset[int]:
     """Return the seeds that a worker has stopped training by itself."""
     diverged = (divergence.seed for divergence in progress.diverged)
     return frozenset({*progress.finished, *progress.dropped, *diverged})
+
+
+def _up(state: State) -> State:
+    """Return the state with a pool that has been heard of."""
+    return replace(state, problem="", lost_since="", restart_wait=0.0)
 
 
 def _lost(state: State, worker: str, reason: str, log_tail: str) -> Step:

@@ -9,23 +9,25 @@ from workers.actor import drive
 
 
 def main() -> None:
-    """Read where the channel is, then drive Ray until the channel ends."""
+    """Read where the channel is, then drive Ray until a service closes the pool."""
     parser = argparse.ArgumentParser(prog="python -m workers")
-    parser.add_argument("--channel", type=int, required=True, help="descriptor of the socket")
+    parser.add_argument("--listener", type=int, required=True, help="descriptor of the socket")
+    parser.add_argument("--spool", type=Path, required=True, help="file for undelivered reports")
     parser.add_argument("--workers", type=int, required=True, help="local worker slots")
     parser.add_argument("--address", required=True, help="cluster to join; empty: a local one")
     parser.add_argument("--logs", type=Path, required=True, help="folder of the workers' logs")
     parser.add_argument("--checkpoints", type=Path, required=True, help="folder of checkpoints")
     parser.add_argument("--scratch", required=True, help="folder for Ray's own files")
     options = parser.parse_args()
-    channel = socket.socket(fileno=options.channel)
+    listener = socket.socket(fileno=options.listener)
     try:
         drive(
-            channel,
+            listener,
             options.workers,
             options.address,
             logs=options.logs,
             checkpoints=options.checkpoints,
+            spool=options.spool,
             scratch=options.scratch,
         )
     finally:  # also done by who made it, unless killed

@@ -26,16 +26,20 @@ import ray
 
 from workers.execute import execute
 from workers.log_tail import log_tail
+from workers.outbox import Outbox
 from workers.report import Busy, Ended, Failed, Lost, News, Ready, to_line
 from workers.work import Work
 
 OBJECT_STORE_BYTES = 80 * 2**20  # nearly Ray's least; progress is small and never stored
-UNREAD_LIMIT = 4
+UNREAD_LIMIT = 2
 """Progresses that may wait for the driver; then the actor's stream waits."""
 IDLE_CHECK_SECONDS = 5.0
 LONGEST_PAUSE_SECONDS = 30.0
 EXIT_ABANDONED = 75
 JOIN_SECONDS = 20.0
+OUTAGE_SECONDS = 900.0
+"""How long workers train on while no service is there; then their checkpoints have to do."""
+IDLE_OUTAGE_SECONDS = 30.0
 START_SECONDS = 90.0  # on a busy machine; alone it takes 5 to 8
 
 Send = Callable[[str], None]
@@ -184,24 +188,52 @@ def _reason(error: Exception) -> str:
 
 
 class ActorPool:
-    """All slots; obeys commands read from a channel until it ends."""
+    """All slots; obeys one service after the other, until one closes the pool or none comes."""
 
-    def __init__(self, channel: socket.socket, slots: int, logs: Path, checkpoints: Path) -> None:
+    def __init__(self, outbox: Outbox, slots: int, logs: Path, checkpoints: Path) -> None:
         """Start the slots."""
-        self._channel = channel
-        self._lock = threading.Lock()
+        self._outbox = outbox
+        self._is_closed = False
         names = itertools.count(1)
-        self._slots = [Slot(names, logs, checkpoints, self._send) for _ in range(slots)]
+        self._slots = [Slot(names, logs, checkpoints, outbox.put) for _ in range(slots)]
 
-    def obey(self) -> None:
-        """Do what the lines say, until the stream ends."""
-        with self._channel.makefile("rb") as lines:
-            for line in lines:
-                self._obey(json.loads(line))
+    def serve(self, listener: socket.socket) -> None:
+        """Do what services say that connect to the listener."""
+        while not self._is_closed and (channel := self._next_service(listener)) is not None:
+            with channel:
+                self._outbox.attach(channel)
+                try:
+                    with channel.makefile("rb") as lines:
+                        for line in lines:
+                            self._obey(json.loads(line))
+                except (OSError, ValueError):  # cut off, perhaps within a line
+                    pass
+                self._outbox.detach()
         for slot in self._slots:
             slot.close()
 
+    def _next_service(self, listener: socket.socket) -> socket.socket | None:
+        """Wait for a service: long while something is in training, else briefly."""
+        listener.settimeout(1.0)
+        begun = time.monotonic()
+        while True:
+            try:
+                channel, _ = listener.accept()
+            except TimeoutError:
+                patience = OUTAGE_SECONDS if self._outbox.is_busy else IDLE_OUTAGE_SECONDS
+                if time.monotonic() - begun > patience:
+                    return None
+            else:
+                channel.settimeout(None)
+                return channel
+
     def _obey(self, command: dict[str, Any]) -> None:
+        if command["do"] == "close":
+            self._is_closed = True
+            return
+        if command["do"] == "acknowledge":
+            self._outbox.acknowledge(command["count"])
+            return
         slot = next((slot for slot in self._slots if slot.worker == command["worker"]), None)
         if slot is None:
             return
@@ -212,21 +244,18 @@ class ActorPool:
         elif command["do"] == "kill":
             slot.kill()
 
-    def _send(self, line: str) -> None:
-        with self._lock:
-            self._channel.sendall(line.encode() + b"\n")
-
 
 def drive(
-    channel: socket.socket,
+    listener: socket.socket,
     workers: int,
     address: str,
     *,
     logs: Path,
     checkpoints: Path,
+    spool: Path,
     scratch: str,
 ) -> None:
-    """Join the cluster, or make one of so many workers, and obey the channel until it ends."""
+    """Join the cluster, or make one of so many workers, and obey who connects to the listener."""
     if address:
         with _deadline(JOIN_SECONDS, f"Ray at {address} did not answer in {JOIN_SECONDS:.0f} s"):
             ray.init(address=address, log_to_driver=False, logging_level=logging.WARNING)
@@ -244,7 +273,7 @@ def drive(
                 _temp_dir=scratch,
             )
     try:
-        ActorPool(channel, workers, logs, checkpoints).obey()
+        ActorPool(Outbox(spool), workers, logs, checkpoints).serve(listener)
     finally:
         ray.shutdown()
 

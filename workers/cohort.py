@@ -20,8 +20,8 @@ from workers.checkpoint import Checkpoints, Found
 from workers.progress import Activity, CheckpointAttempt, Progress, Resumption
 from workers.random_return import RandomReturn
 
-PATIENCE_SECONDS = 30.0
-"""A worker whose news nobody collected for so long has lost its lease."""
+PATIENCE_SECONDS = 12.0
+"""A worker whose news nobody collected for so long stops, before its lease of 15 s has ended."""
 
 
 class AbandonedError(RuntimeError):

@@ -39,5 +39,11 @@ class Pool(Protocol):
         Raises PoolUnavailableError when the pool is no more.
         """
 
+    def acknowledge(self, count: int) -> None:
+        """So many more of the reports given out are recorded, in their order.
+
+        Those that are not are given out again after the service was killed.
+        """
+
     def close(self) -> None:
         """End all workers and wait until nothing of the pool is left."""

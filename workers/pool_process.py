@@ -1,16 +1,18 @@
 """The pool as a process of its own, which holds the connection to Ray.
 
 Ray ends the process that drives it when the cluster's head is lost. That must not be the service,
-so `python -m workers` drives Ray, and talks JSON lines over a socket with the service: commands
-one way, reports the other. Either end sees the other's death as the end of the stream.
+so `python -m workers` drives Ray, and talks JSON lines over a Unix socket with the service:
+commands one way, reports the other.
+
+The process outlives a service that is killed, keeps its workers at work and what they say (see
+`workers/outbox.py`), and is taken up by the next service on the data directory; a service that is
+stopped closes it. Where it has ended meanwhile, what it had to say is read from its spool.
 """
 
+import contextlib
 import json
-import os
 import queue
-import secrets
 import shutil
-import signal
 import socket
 import subprocess
 import sys
@@ -18,17 +20,22 @@ import tempfile
 import threading
 from collections.abc import Collection
 from dataclasses import dataclass
+from io import BufferedReader
 from pathlib import Path
 from typing import Any
 
 from workers.log_tail import log_tail
+from workers.outbox import read_spool
 from workers.pool import PoolUnavailableError
+from workers.pool_environment import pool_environment
+from workers.process_group import kill_group, runs_with, wait_for_end
 from workers.report import Report, from_line
 from workers.work import Work
 
-TOKEN_VARIABLES = ("RAY_AUTH_TOKEN", "RAY_AUTH_TOKEN_PATH")
 CLOSING_SECONDS = 4.0
 """How long the process may take to end Ray in order; then all of its group is killed."""
+GREETING_SECONDS = 5.0
+"""How long a process that is to be taken up may take to say a word."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +44,7 @@ class PoolSettings:
 
     workers      local worker slots; of no account with an address
     ray_address  a cluster to join; empty: a local one, made and ended with the pool
-    data_dir     takes the token file and the logs
+    data_dir     takes the token file, the logs and the spools
     checkpoints  folder of the runs' checkpoints
     """
 
@@ -54,43 +61,24 @@ class PoolProcess:
         """Start nothing yet."""
         self._settings = settings
         self._reports: queue.SimpleQueue[Report | None] = queue.SimpleQueue()
-        self._process: subprocess.Popen[bytes] | None = None
+        self._process_id: int | None = None
+        self._process: subprocess.Popen[bytes] | None = None  # where it is our child
         self._channel: socket.socket | None = None
         self._scratch = ""
+        self._spooled = 0  # reports of processes that are no more, yet to be acknowledged
 
     def start(self) -> None:
-        """Start the process. Workers come up while this returns."""
+        """Take up the process that an earlier service left, or start one.
+
+        Workers come up while this returns.
+        """
         self.close()
-        logs = self._settings.data_dir / "logs"
-        logs.mkdir(parents=True, exist_ok=True)
-        ours, theirs = socket.socketpair()
         self._reports = queue.SimpleQueue()
-        # Ray's own files: short, for a socket's path has at most 107 bytes, and gone at the end.
-        self._scratch = tempfile.mkdtemp(prefix="d3pg-ray-")
-        with theirs, self._log_path.open("wb") as log:
-            self._process = subprocess.Popen(  # noqa: S603  (our own interpreter and module)
-                [
-                    sys.executable,
-                    "-m",
-                    "workers",
-                    f"--channel={theirs.fileno()}",
-                    f"--workers={self._settings.workers}",
-                    f"--address={self._settings.ray_address}",
-                    f"--logs={logs.resolve()}",
-                    f"--checkpoints={self._settings.checkpoints.resolve()}",
-                    f"--scratch={self._scratch}",
-                ],
-                pass_fds=[theirs.fileno()],
-                stdin=subprocess.DEVNULL,
-                stdout=log,
-                stderr=log,
-                env=pool_environment(self._settings),
-                start_new_session=True,  # Ctrl-C is for the service, which then closes the pool
-            )
-        self._channel = ours
-        threading.Thread(
-            target=_listen, args=(ours, self._reports), name="pool reports", daemon=True
-        ).start()
+        self._spooled = 0
+        if self._take_up():
+            return
+        self._read_spools()
+        self._launch()
 
     def train(self, worker: str, work: Work) -> None:
         """Train a cohort."""
@@ -124,30 +112,137 @@ class PoolProcess:
         self.close()
         raise PoolUnavailableError(last_words)
 
+    def acknowledge(self, count: int) -> None:
+        """So many more of the reports given out are recorded, in their order."""
+        of_spools = min(count, self._spooled)
+        self._spooled -= of_spools
+        if of_spools and not self._spooled:
+            for spool in self._spools():
+                spool.unlink()
+        if count > of_spools:
+            self._send(do="acknowledge", count=count - of_spools)
+
     def close(self) -> None:
         """End the process and all it started: in order, or by force after a while."""
-        if self._process is None or self._channel is None:
+        if self._process_id is None or self._channel is None:
             return
-        self._channel.shutdown(socket.SHUT_WR)
-        try:
-            self._process.wait(CLOSING_SECONDS)
-        except subprocess.TimeoutExpired:
-            pass
-        finally:
-            kill_group(self._process.pid)
+        self._send(do="close")
+        with contextlib.suppress(OSError):
+            self._channel.shutdown(socket.SHUT_WR)
+        wait_for_end(self._process_id, CLOSING_SECONDS)
+        kill_group(self._process_id)
+        if self._process is not None:
             self._process.wait()
-            self._channel.close()
-            shutil.rmtree(self._scratch, ignore_errors=True)
-            self._process = self._channel = None
+        self._channel.close()
+        self._record.unlink(missing_ok=True)
+        shutil.rmtree(self._scratch, ignore_errors=True)
+        self._process_id = self._process = self._channel = None
 
     @property
     def process_id(self) -> int | None:
         """The process that drives Ray; None while there is none."""
-        return None if self._process is None else self._process.pid
+        return self._process_id
 
-    @property
-    def _log_path(self) -> Path:
-        return self._settings.data_dir / "logs" / "pool.log"
+    # ---- finding and starting the process
+
+    def _launch(self) -> None:
+        logs = self._log_path.parent
+        logs.mkdir(parents=True, exist_ok=True)
+        # Ray's own files: short, for a socket's path has at most 107 bytes, and gone at the end.
+        self._scratch = tempfile.mkdtemp(prefix="d3pg-ray-")
+        spool = self._spool_folder.resolve() / f"{Path(self._scratch).name}.jsonl"
+        with socket.socket(socket.AF_UNIX) as listener, self._log_path.open("wb") as log:
+            listener.bind(self._socket_path)
+            listener.listen(1)
+            self._process = subprocess.Popen(  # noqa: S603  (our own interpreter and module)
+                [
+                    sys.executable,
+                    "-m",
+                    "workers",
+                    f"--listener={listener.fileno()}",
+                    f"--workers={self._settings.workers}",
+                    f"--address={self._settings.ray_address}",
+                    f"--logs={logs.resolve()}",
+                    f"--checkpoints={self._settings.checkpoints.resolve()}",
+                    f"--spool={spool}",
+                    f"--scratch={self._scratch}",
+                ],
+                pass_fds=[listener.fileno()],
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=log,
+                env=pool_environment(self._settings.ray_address, self._settings.data_dir),
+                start_new_session=True,  # Ctrl-C is for the service, which then closes the pool
+            )
+            self._channel = self._connect()
+        self._process_id = self._process.pid
+        self._record.write_text(json.dumps(self._described()))
+        self._listen(self._channel.makefile("rb"))
+
+    def _take_up(self) -> bool:
+        """Take up the process of an earlier service, where it is the one that is wanted and well.
+
+        Otherwise it is ended.
+        """
+        try:
+            described = json.loads(self._record.read_text())
+            self._scratch = described["scratch"]
+            pid = described["process"]
+        except (OSError, ValueError, LookupError):
+            return False
+        if not runs_with(pid, f"--scratch={self._scratch}"):
+            return False
+        self._process_id = pid
+        if described == self._described():
+            with contextlib.suppress(OSError):
+                channel = self._connect()
+                channel.settimeout(GREETING_SECONDS)
+                lines = channel.makefile("rb")
+                if lines.peek(1):
+                    channel.settimeout(None)
+                    self._channel = channel
+                    self._listen(lines)
+                    return True
+        kill_group(pid)
+        wait_for_end(pid, CLOSING_SECONDS)
+        self._process_id = None
+        shutil.rmtree(self._scratch, ignore_errors=True)
+        return False
+
+    def _described(self) -> dict[str, Any]:
+        return {
+            "process": self._process_id,
+            "scratch": self._scratch,
+            "workers": self._settings.workers,
+            "ray_address": self._settings.ray_address,
+        }
+
+    def _read_spools(self) -> None:
+        for spool in self._spools():
+            for report in read_spool(spool):
+                self._spooled += 1
+                self._reports.put(report)
+
+    def _spools(self) -> list[Path]:
+        """The files that processes left which are no more."""
+        found = sorted(self._spool_folder.glob("*.jsonl"))
+        return [path for path in found if path.stem != Path(self._scratch).name or self._is_gone]
+
+    # ---- the channel
+
+    def _connect(self) -> socket.socket:
+        channel = socket.socket(socket.AF_UNIX)
+        try:
+            channel.connect(self._socket_path)
+        except OSError:
+            channel.close()
+            raise
+        return channel
+
+    def _listen(self, lines: BufferedReader) -> None:
+        threading.Thread(
+            target=_listen, args=(lines, self._reports), name="pool reports", daemon=True
+        ).start()
 
     def _send(self, **command: Any) -> None:
         if self._channel is None:
@@ -157,6 +252,26 @@ class PoolProcess:
         except OSError:
             return  # its end is told by `reports`
 
+    @property
+    def _is_gone(self) -> bool:
+        return self._process_id is None
+
+    @property
+    def _log_path(self) -> Path:
+        return self._settings.data_dir / "logs" / "pool.log"
+
+    @property
+    def _record(self) -> Path:
+        return self._settings.data_dir / "pool.json"
+
+    @property
+    def _spool_folder(self) -> Path:
+        return self._settings.data_dir / "spool"
+
+    @property
+    def _socket_path(self) -> str:
+        return f"{self._scratch}/pool.sock"
+
     def _last_words(self) -> str:
         code = None if self._process is None else self._process.wait()
         lines = log_tail(self._log_path).strip().splitlines()
@@ -164,60 +279,11 @@ class PoolProcess:
         return f"the process that drives Ray ended (exit code {code}): {last.strip()}"
 
 
-def pool_environment(settings: PoolSettings) -> dict[str, str]:
-    """Return the environment of the process: ours, and what Ray and the workers need set.
-
-    Ray turns its authentication on by itself in some processes only, and the others then fail, so
-    it is set for all of them; the token is the data directory's, or for a cluster to join the one
-    that the variables name. A local Ray binds to loopback alone. One thread a worker: the thread
-    count of a library changes the bits, and is read as it loads.
-    """
-    environment = dict(os.environ)
-    environment.update(
-        RAY_AUTH_MODE="token",
-        RAY_USAGE_STATS_ENABLED="0",
-        RAY_ENABLE_UV_RUN_RUNTIME_ENV="0",
-        RAY_ENABLE_AUTO_CONNECT="0",
-        OMP_NUM_THREADS="1",
-        MKL_NUM_THREADS="1",
-        OPENBLAS_NUM_THREADS="1",
-        NUMBA_NUM_THREADS="1",
-    )
-    if not settings.ray_address:
-        environment["RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER"] = "0"
-        for variable in TOKEN_VARIABLES:
-            environment.pop(variable, None)
-    if not set(TOKEN_VARIABLES) & set(environment):
-        environment["RAY_AUTH_TOKEN_PATH"] = str(_token_file(settings.data_dir))
-    source = Path(__file__).resolve().parent.parent
-    if source.name not in {"site-packages", "dist-packages"}:  # not installed, but run in place
-        paths = [str(source), environment.get("PYTHONPATH", "")]
-        environment["PYTHONPATH"] = os.pathsep.join(path for path in paths if path)
-    return environment
-
-
-def kill_group(leader: int) -> None:
-    """Kill what is left of a process group."""
+def _listen(lines: BufferedReader, reports: "queue.SimpleQueue[Report | None]") -> None:
+    """Turn lines into reports, after the greeting, until the stream ends."""
     try:
-        os.killpg(leader, signal.SIGKILL)
-    except ProcessLookupError:
-        return
-
-
-def _token_file(data_dir: Path) -> Path:
-    """Return the file with the token of the local cluster, made at first use, ours alone."""
-    path = data_dir.resolve() / "ray-token"
-    if not path.exists():
-        descriptor = os.open(path, os.O_CREAT | os.O_WRONLY | os.O_EXCL, 0o600)
-        with os.fdopen(descriptor, "w") as file:
-            file.write(secrets.token_hex(32))
-    return path
-
-
-def _listen(channel: socket.socket, reports: "queue.SimpleQueue[Report | None]") -> None:
-    """Turn lines into reports until the stream ends."""
-    try:
-        with channel.makefile("rb") as lines:
+        with lines:
+            lines.readline()
             for line in lines:
                 reports.put(from_line(line))
     except (OSError, ValueError):  # cut off, perhaps within a line

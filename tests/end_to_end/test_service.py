@@ -101,6 +101,7 @@ def test_killed_server_goes_on_where_it_was(
         again = service.start()
         ended = again.wait(sweep_id, timeout_seconds=240)
         assert ended.runs.succeeded == 4
+        assert all(run.attempt == 1 for run in again.runs(sweep_id))  # its workers went on
         assert curves(again, sweep_id) == undisturbed
         assert service.stop() < 10
 

@@ -92,6 +92,7 @@ class FakePool:
         self.is_freezing = False  # a worker freezes as it is given work
         self.problem = ""
         self.starts = 0
+        self.acknowledged = 0
         self.asked_random_returns: list[str] = []
         self.is_closed = False
         self._made = 0
@@ -135,6 +136,9 @@ class FakePool:
                 self._reports += worker.cycle(self.diverging, self.raising)
         found, self._reports = self._reports, []
         return found
+
+    def acknowledge(self, count: int) -> None:
+        self.acknowledged += count
 
     def close(self) -> None:
         self.is_closed = True

@@ -12,7 +12,8 @@ from tests.workers.processes import listening_beyond_loopback, processes_with
 from workers.assignment import Assignment
 from workers.checkpoint import find_snapshot
 from workers.pool import PoolUnavailableError
-from workers.pool_process import PoolProcess, PoolSettings, pool_environment
+from workers.pool_environment import pool_environment
+from workers.pool_process import PoolProcess, PoolSettings
 from workers.report import Busy, Ended, Failed, Lost, News, Ready, Report
 from workers.run_spec import RunSpec
 from workers.work import Work
@@ -213,7 +214,7 @@ def test_the_token_for_another_cluster_is_the_one_that_is_given(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("RAY_AUTH_TOKEN_PATH", "/elsewhere/token")
-    joined = pool_environment(PoolSettings(2, "10.0.0.1:6379", tmp_path, tmp_path))
+    joined = pool_environment("10.0.0.1:6379", tmp_path)
     assert (joined["RAY_AUTH_MODE"], joined["RAY_AUTH_TOKEN_PATH"]) == ("token", "/elsewhere/token")
-    own = pool_environment(PoolSettings(2, "", tmp_path, tmp_path))
+    own = pool_environment("", tmp_path)
     assert own["RAY_AUTH_TOKEN_PATH"] == str(tmp_path / "ray-token")
