@@ -190,24 +190,30 @@ class PoolProcess:
             pid = described["process"]
         except (OSError, ValueError, LookupError):
             return False
-        if not runs_with(pid, f"--scratch={self._scratch}"):
-            return False
-        self._process_id = pid
-        if described == self._described():
-            with contextlib.suppress(OSError):
-                channel = self._connect()
-                channel.settimeout(GREETING_SECONDS)
-                lines = channel.makefile("rb")
-                if lines.peek(1):
-                    channel.settimeout(None)
-                    self._channel = channel
-                    self._listen(lines)
-                    return True
-        kill_group(pid)
-        wait_for_end(pid, CLOSING_SECONDS)
-        self._process_id = None
-        shutil.rmtree(self._scratch, ignore_errors=True)
+        if runs_with(pid, f"--scratch={self._scratch}"):
+            self._process_id = pid
+            if described == self._described() and self._is_answered():
+                return True
+            kill_group(pid)
+            wait_for_end(pid, CLOSING_SECONDS)
+            self._process_id = None
+        shutil.rmtree(self._scratch, ignore_errors=True)  # of one that is no more
         return False
+
+    def _is_answered(self) -> bool:
+        """Connect to the process of an earlier service, and see whether it says a word."""
+        try:
+            channel = self._connect()
+            channel.settimeout(GREETING_SECONDS)
+            lines = channel.makefile("rb")
+            is_answered = bool(lines.peek(1))
+        except OSError:
+            return False
+        if is_answered:
+            channel.settimeout(None)
+            self._channel = channel
+            self._listen(lines)
+        return is_answered
 
     def _described(self) -> dict[str, Any]:
         return {
