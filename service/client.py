@@ -24,6 +24,7 @@ import httpx2
 from pydantic import BaseModel
 
 from service.figures.figure_form import Form
+from service.figures.paper_figure import Number
 from service.schemas.curves_answer import CurvesAnswer
 from service.schemas.measurements_answer import MeasurementsAnswer
 from service.schemas.page import Page
@@ -182,7 +183,7 @@ class Client:
         self,
         sweep_id: str,
         form: Form = "png",
-        number: Literal["4", "5", "6"] | None = None,
+        number: Number | None = None,
         **options: Option,
     ) -> bytes:
         """A figure as a file's bytes: every curve of the sweep, or one of the paper's figures."""

@@ -4,6 +4,7 @@
                            2-4800.state       what the next bits depend on
                            2-4800.journal     what was lived through since the checkpoint before
                            policy             what was learned (algorithms.snapshot)
+                           policy-epoch-10    and as of an epoch that figure 2 shows
 
 All are sealed files. The manifest is written last and names every part with its digest, so what can
 be read is whole. The last two checkpoints are kept; where the newest is damaged, the one before
@@ -24,11 +25,20 @@ import numpy as np
 
 from algorithms.learner import Learner
 from algorithms.measurement import Measurement
+from algorithms.off_policy import MEASURE_EVERY
 from algorithms.snapshot import Snapshot, snapshot_of
 from algorithms.state import Saved, State
 from workers import sealed_file
 from workers.assignment import Assignment
-from workers.checkpoint_folder import NAME, POLICY, folder_of, newest_first
+from workers.checkpoint_folder import (
+    EPOCHS,
+    NAME,
+    POLICY,
+    epoch_file,
+    folder_of,
+    newest_first,
+)
+from workers.critic_surface import SURFACE_TASK
 from workers.manifest import Manifest, Part, spec_digest
 from workers.sealed_file import DamagedError
 
@@ -59,6 +69,7 @@ class Checkpoints:
         self._folder = folder_of(root, assignment.run_id)
         self._attempt = assignment.attempt
         self._seed = assignment.spec.seed
+        self._task = assignment.spec.environment
         self._spec = spec_digest(assignment.spec)
         self._fingerprint = fingerprint
         self._mixed_with: Sequence[str] = ()
@@ -107,10 +118,19 @@ class Checkpoints:
 
     def save_policy(self, learner: Learner) -> None:
         """Write what has been learned, where there is such a thing. Raises OSError."""
+        self._save_snapshot(POLICY, learner)
+
+    def save_epoch(self, learner: Learner) -> None:
+        """Keep the critic where an epoch ends that figure 2 shows. Raises OSError."""
+        epoch, steps_left = divmod(learner.timestep, MEASURE_EVERY)
+        if self._task == SURFACE_TASK and epoch in EPOCHS and not steps_left:
+            self._save_snapshot(epoch_file(epoch), learner)
+
+    def _save_snapshot(self, name: str, learner: Learner) -> None:
         snapshot = learner.snapshot(self._seed)
         if snapshot is not None:
             self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-            sealed_file.write(self._folder / POLICY, sealed_file.packed(snapshot.arrays()))
+            sealed_file.write(self._folder / name, sealed_file.packed(snapshot.arrays()))
             sealed_file.bring_to_disk(self._folder)
 
     def _take_up(self, manifest: Manifest, saved: Saved, problems: Sequence[str]) -> Found:
@@ -160,7 +180,20 @@ def find_snapshot(root: Path, run_id: str) -> Snapshot | None:
 
     Raises ValueError for a name that is none, DamagedError.
     """
-    path = folder_of(root, run_id) / POLICY
+    return _snapshot(folder_of(root, run_id) / POLICY)
+
+
+def find_epochs(root: Path, run_id: str) -> dict[int, Snapshot]:
+    """What a run had learned by the epochs that figure 2 shows, of those it has come to.
+
+    Raises ValueError for a name that is none, DamagedError.
+    """
+    folder = folder_of(root, run_id)
+    found = {epoch: _snapshot(folder / epoch_file(epoch)) for epoch in EPOCHS}
+    return {epoch: snapshot for epoch, snapshot in found.items() if snapshot is not None}
+
+
+def _snapshot(path: Path) -> Snapshot | None:
     return snapshot_of(sealed_file.unpacked(sealed_file.read(path))) if path.exists() else None
 
 

@@ -1,10 +1,16 @@
-"""Where the checkpoints of a run lie, and what is removed of them when it has ended."""
+"""Where the checkpoints of a run lie, and what is removed of them when it has ended.
+
+What was learned stays: at the end, and on MassPoint as of the epochs that figure 2 shows. An epoch
+is the time between two measurements.
+"""
 
 import re
 from pathlib import Path
 
 POLICY = "policy"
 """What was learned; it outlives the checkpoints."""
+EPOCHS = (1, 10, 75)
+"""After which figure 2 shows the critic."""
 NAME = re.compile(r"(?P<attempt>\d+)-(?P<timestep>\d+)\.(manifest|state|journal)")
 """A file of a checkpoint, finished or not."""
 
@@ -14,6 +20,11 @@ def folder_of(root: Path, run_id: str) -> Path:
     if not re.fullmatch(r"[\w-]+", run_id, re.ASCII):
         raise ValueError(f"a run's name is no path, got {run_id!r}")
     return root / run_id
+
+
+def epoch_file(epoch: int) -> str:
+    """The name of what was learned as of the end of an epoch, from 1 on."""
+    return f"{POLICY}-epoch-{epoch}"
 
 
 def newest_first(folder: Path) -> list[Path]:

@@ -179,13 +179,17 @@ class Cohort:
     def _save_policies(self, seeds: Sequence[int], learner: Learner) -> None:
         """Write what these runs have learned."""
         for seed in seeds:
-            try:
-                self._checkpoints[seed].save_policy(learner)
-            except OSError as error:
-                problem = f"what it has learned could not be written: {error.strerror}"
-                with self._lock:
-                    attempt = CheckpointAttempt(seed, learner.timestep, problem)
-                    self._news.checkpoints.append(attempt)
+            self._try_to_write(seed, learner, self._checkpoints[seed].save_policy)
+
+    def _try_to_write(self, seed: int, learner: Learner, write: Callable[[Learner], None]) -> None:
+        """Write what a run has learned, or tell why not."""
+        try:
+            write(learner)
+        except OSError as error:
+            problem = f"what it has learned could not be written: {error.strerror}"
+            with self._lock:
+                attempt = CheckpointAttempt(seed, learner.timestep, problem)
+                self._news.checkpoints.append(attempt)
 
     def _is_abandoned(self) -> bool:
         with self._lock:
@@ -212,6 +216,8 @@ class Cohort:
         finished = [seed for seed in before if seed not in remaining and seed not in gone]
         for entry in measured:
             self._measured[entry.seed].append(entry)
+        for seed in [*remaining, *finished]:
+            self._try_to_write(seed, learner, self._checkpoints[seed].save_epoch)
         self._save_policies(finished, learner)
         with self._lock:
             self._news.measurements.extend(measured)

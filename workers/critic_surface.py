@@ -11,15 +11,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from algorithms import catalogue
 from algorithms.snapshot import Snapshot
 from physics.environment import Environment
 from physics.mass_point import DT
+from workers.run_spec import RunSpec
 
 FloatArray = NDArray[np.float64]
 
-POSITIONS = 41
-ACTIONS = 21
+SURFACE_TASK = "MassPoint"
+"""The one task whose critic is a surface that can be looked at."""
 REACH = 0.6  # m; an episode starts at -0.5 m
+POSITIONS = np.linspace(-REACH, REACH, 41)
+ACTIONS = np.linspace(-1.0, 1.0, 21)
 
 
 class Surface(NamedTuple):
@@ -39,18 +43,31 @@ class Surface(NamedTuple):
 
 def critic_surface(environment: Environment, snapshot: Snapshot, gamma: float) -> Surface:
     """The surface of a snapshot. Raises ValueError where it has no critic."""
-    positions = np.linspace(-REACH, REACH, POSITIONS)
-    actions = np.linspace(-1.0, 1.0, ACTIONS)
-    grid = np.repeat(positions, ACTIONS)[:, None], np.tile(actions, POSITIONS)[:, None]
-    shape = POSITIONS, ACTIONS
+    states, actions = grid()
     policies = snapshot.policies()
     return Surface(
-        positions,
-        actions,
-        snapshot.values(environment.features(grid[0]), grid[1]).reshape(shape),
-        best_values(environment, *grid, gamma).reshape(shape),
-        np.array([policies.act(environment.features(s[None]))[0, 0] for s in positions[:, None]]),
+        POSITIONS,
+        ACTIONS,
+        snapshot.values(environment.features(states), actions).reshape(len(POSITIONS), -1),
+        best_surface(environment, gamma),
+        np.array([policies.act(environment.features(s[None]))[0, 0] for s in POSITIONS[:, None]]),
     )
+
+
+def best_surface(environment: Environment, gamma: float) -> FloatArray:
+    """Q* [p, k]."""
+    return best_values(environment, *grid(), gamma).reshape(len(POSITIONS), -1)
+
+
+def grid() -> tuple[FloatArray, FloatArray]:
+    """States and actions [p k, 1] of every point."""
+    return np.repeat(POSITIONS, len(ACTIONS))[:, None], np.tile(ACTIONS, len(POSITIONS))[:, None]
+
+
+def discount_of(spec: RunSpec) -> float:
+    """A run's gamma."""
+    gamma: float = catalogue.find(spec.algorithm).config_class()(**spec.config).gamma
+    return gamma
 
 
 def best_values(

@@ -7,12 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 import physics
-from algorithms import catalogue
 from algorithms.snapshot import Snapshot
 from physics.environment import Environment, UnsolvedStepError
 from physics.film import film
 from workers.checkpoint import find_snapshot
-from workers.critic_surface import critic_surface
+from workers.critic_surface import SURFACE_TASK, critic_surface, discount_of
 from workers.episode import play
 from workers.run_spec import RunSpec
 from workers.start_error import StartError
@@ -78,8 +77,7 @@ def start_state(task: Environment, start: list[float] | int) -> FloatArray:
 
 def surface(task: Environment, snapshot: Snapshot, spec: RunSpec) -> dict[str, Any] | None:
     """MassPoint's critic beside the truth (figure 2); None for other tasks and without a critic."""
-    if task.name != "MassPoint" or snapshot.critic is None:
+    if task.name != SURFACE_TASK or snapshot.critic is None:
         return None
-    gamma = catalogue.find(spec.algorithm).config_class()(**spec.config).gamma
-    found = critic_surface(task, snapshot, gamma)
+    found = critic_surface(task, snapshot, discount_of(spec))
     return {name: values.tolist() for name, values in found._asdict().items()}

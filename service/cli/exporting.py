@@ -32,8 +32,10 @@ class Written(StrEnum):
 
 
 class PaperFigure(StrEnum):
-    """The paper's figures of curves."""
+    """The paper's figures: of the critic, of the die, and of curves."""
 
+    TWO = "2"
+    THREE = "3"
     FOUR = "4"
     FIVE = "5"
     SIX = "6"
@@ -133,7 +135,7 @@ def plot(
     if form is None:
         raise typer.BadParameter(f"{output} must end in .png, .svg or .pdf", param_hint="--output")
     if figure is not None and raw:
-        raise typer.BadParameter("the paper's figures are normalised", param_hint="--raw")
+        raise typer.BadParameter("the scale of the paper's figures is given", param_hint="--raw")
     with Client() as client:
         picture = (
             client.figure(sweep_id, form, normalized=not raw)

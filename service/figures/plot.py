@@ -5,16 +5,11 @@ algorithm. What it shows (statistic, band, n, normalisation) is printed on it. T
 the same bytes, so a picture can be compared and cached.
 """
 
-import io
 import math
 import textwrap
-import threading
-import unicodedata
-import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -23,42 +18,22 @@ from matplotlib.ticker import EngFormatter
 from service.comparison import Comparison, LabelledCurve, Panel, definition
 from service.figures.figure_form import Form
 from service.figures.palette import colour
+from service.figures.picture import picture, printable
 
 Style = Mapping[str, Any]
 
 COLUMN_INCHES = 2.8
 MIN_WIDTH_INCHES = 6.4
 PANELS_INCHES = 5.2  # both rows and the caption
-DOTS_PER_INCH = 130
 LEGEND_COLUMN_INCHES = 1.8
 LEGEND_ROW_INCHES = 0.18
 CAPTION_CHARACTERS_PER_INCH = 19
-MAX_CHARACTERS = 120
 DASHES = ("solid", (0, (5, 2)), (0, (1, 1.5)), (0, (5, 2, 1, 2)))
-# No time and no version of the program that drew: the same data are the same bytes.
-METADATA: Mapping[Form, Mapping[str, None]] = {
-    "png": {"Software": None},
-    "svg": {"Date": None},
-    "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
-}
-INVISIBLE = frozenset({"Cc", "Cf", "Cs", "Cn", "Co"})  # Unicode categories
-
-# matplotlib keeps its settings and caches for the process: nobody's matplotlibrc may change the
-# figure, names are text and not mathematics, and one thread draws at a time.
-mpl.rcdefaults()
-mpl.rcParams.update({"svg.hashsalt": "d3pg", "text.parse_math": False, "font.size": 8})
-drawing = threading.Lock()
 
 
 def draw(title: str, rows: Sequence[Comparison], form: Form) -> bytes:
     """Return the figure as a file's bytes: a row per comparison, all of one sweep."""
-    with drawing, warnings.catch_warnings():
-        # A name may hold characters that the font lacks; the figure shows boxes for them.
-        warnings.filterwarnings("ignore", message="Glyph .* missing from font")
-        file = io.BytesIO()
-        figure = _figure(title, rows)
-        figure.savefig(file, format=form, dpi=DOTS_PER_INCH, metadata=dict(METADATA[form]))
-    return file.getvalue()
+    return picture(lambda: _figure(title, rows), form)
 
 
 def caption(rows: Sequence[Comparison]) -> str:
@@ -69,16 +44,10 @@ def caption(rows: Sequence[Comparison]) -> str:
     return f"{definition(rows)} {n}."
 
 
-def printable(text: str) -> str:
-    """Return text cut to a line, without controls: an SVG forbids some, some turn text around."""
-    shown = text if len(text) <= MAX_CHARACTERS else f"{text[: MAX_CHARACTERS - 1]}…"
-    return "".join("\ufffd" if unicodedata.category(each) in INVISIBLE else each for each in shown)
-
-
 def _figure(title: str, rows: Sequence[Comparison]) -> Figure:
     panels = max(1, len(rows[0].panels))
     width = max(MIN_WIDTH_INCHES, COLUMN_INCHES * panels)
-    styles = _styles(rows[0])
+    styles = styles_of(rows[0])
     legend_columns = max(1, min(len(styles), int(width / LEGEND_COLUMN_INCHES)))
     legend_rows = 1 + math.ceil(len(styles) / legend_columns)
     height = PANELS_INCHES + LEGEND_ROW_INCHES * legend_rows
@@ -86,7 +55,7 @@ def _figure(title: str, rows: Sequence[Comparison]) -> Figure:
     axes = figure.subplots(len(rows), panels, sharex="col", squeeze=False)
     for axes_row, comparison in zip(axes, rows, strict=True):
         for ax, panel in zip(axes_row, comparison.panels, strict=False):
-            _draw_panel(ax, panel, styles)
+            draw_panel(ax, panel, styles)
         scale = "normalised" if comparison.view.normalized else "raw"
         axes_row[0].set_ylabel(f"{comparison.view.metric} ({scale})")
     for ax, panel in zip(axes[0], rows[0].panels, strict=False):
@@ -106,7 +75,8 @@ def _figure(title: str, rows: Sequence[Comparison]) -> Figure:
     return figure
 
 
-def _draw_panel(ax: Axes, panel: Panel, styles: Mapping[str, Style]) -> None:
+def draw_panel(ax: Axes, panel: Panel, styles: Mapping[str, Style]) -> None:
+    """Draw the curves of an environment, each in the style of its label."""
     for one in panel.curves:
         style, curve = styles[one.label], one.curve
         ax.plot(curve.x, curve.mean, linewidth=1.2, **style)
@@ -120,7 +90,7 @@ def _draw_panel(ax: Axes, panel: Panel, styles: Mapping[str, Style]) -> None:
     ax.spines[["top", "right"]].set_visible(False)
 
 
-def _styles(comparison: Comparison) -> dict[str, Style]:
+def styles_of(comparison: Comparison) -> dict[str, Style]:
     """Return the line of each label: the algorithm's colour, a dash per further setting of it."""
     styles: dict[str, Style] = {}
     used: dict[str, int] = {}

@@ -74,11 +74,12 @@ def compared(
     sweep_id: str,
     query: BandQuery,
     metric: str,
+    algorithms: Collection[str] = (),
+    environment: str = "",
     *,
     with_seeds: bool = False,
-    algorithms: Collection[str] | None = None,
 ) -> Comparison:
-    """Return the comparison of a sweep's runs, or of those of some algorithms.
+    """Return the comparison of a sweep's runs, or of those of some algorithms or of one task.
 
     Raises InvalidRequest for a metric that cannot be shown.
     """
@@ -90,7 +91,8 @@ def compared(
     runs = [
         run
         for run in store.curve_points(sweep_id, metric, query.x)
-        if algorithms is None or run.spec.algorithm in algorithms
+        if (not algorithms or run.spec.algorithm in algorithms)
+        and environment in ("", run.spec.environment)
     ]
     lines = len(runs) if with_seeds else len({run.spec.cell for run in runs})
     view = View(

@@ -8,6 +8,7 @@ from typing import Any, Self
 from pydantic import BaseModel, ConfigDict, Field
 
 from service.cost import Basis, CellCost, explain, total_core_seconds, wall_seconds
+from service.figures.paper_figure import PAPER
 from service.schemas.number import finite_or_none
 from service.schemas.run_answer import MOVES, WeightsAnswer, as_time
 from service.submission.plan import Plan
@@ -151,6 +152,7 @@ class SweepAnswer(BaseModel):
     def of(cls, sweep: Sweep) -> Self:
         """Show a sweep."""
         link = f"/api/v1/sweeps/{sweep.id}"
+        figures = figures_of(sweep.request)
         parts = ("runs", "curves", "table", "statistics", "events", *MOVES)
         return cls(
             id=sweep.id,
@@ -167,5 +169,13 @@ class SweepAnswer(BaseModel):
                 "page": f"/sweeps/{sweep.id}",
                 **{part: f"{link}/{part}" for part in parts},
                 "plot": f"{link}/plot.png",
+                **{f"figure_{number}": f"{link}/figures/{number}.png" for number in figures},
             },
         )
+
+
+def figures_of(request: Mapping[str, Any]) -> list[str]:
+    """The numbers of the paper's figures that a sweep has runs for."""
+    algorithms = {algorithm["name"] for algorithm in request.get("algorithms", ())}
+    environments = request.get("environments", ())
+    return [number for number, each in PAPER.items() if each.has_runs(algorithms, environments)]

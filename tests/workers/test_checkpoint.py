@@ -17,7 +17,7 @@ from algorithms.snapshot import Critic, Snapshot
 from tests.workers.fake_learner import CYCLE, FakeLearner, measurement_of
 from workers import sealed_file
 from workers.assignment import Assignment
-from workers.checkpoint import Checkpoints, Found, find_snapshot
+from workers.checkpoint import Checkpoints, Found, find_epochs, find_snapshot
 from workers.checkpoint_folder import remove_checkpoints
 from workers.run_spec import RunSpec
 
@@ -214,6 +214,27 @@ def test_what_was_learned_outlives_the_checkpoints(
     np.testing.assert_array_equal(found.policy.theta, theta, strict=True)
     assert found.critic is not None
     assert (found.critic.value_mean, found.critic.value_std) == (-3.5, 2.5)
+
+
+def test_on_the_mass_point_what_was_learned_by_the_epochs_of_figure_2_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    theta, unit = np.arange(5, dtype=np.float32), np.ones(3, np.float32)
+
+    def learned(self: FakeLearner, seed: int) -> Snapshot:
+        return Snapshot(self.timestep, 8, 1, deterministic(theta, unit, unit, 1))
+
+    monkeypatch.setattr(FakeLearner, "snapshot", learned)
+    for spec, kept in ((replace(SPEC, environment="MassPoint"), [1, 10]), (SPEC, [])):
+        root = tmp_path / spec.environment
+        checkpoints, learner = checkpoints_of(root, spec=spec), FakeLearner([spec])
+        while not learner.finished:
+            learner.advance()
+            checkpoints.save_epoch(learner)
+        found = find_epochs(root, "run-3")
+        assert {epoch: each.timestep for epoch, each in found.items()} == {
+            epoch: 800 * epoch for epoch in kept
+        }
 
 
 def test_a_runs_name_is_no_path(tmp_path: Path) -> None:

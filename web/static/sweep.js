@@ -75,7 +75,24 @@ showDownloads();
 async function loadSweep(signal) {
   const isFirst = head.sweep === null;
   await head.load(signal);
-  if (isFirst) draw();
+  if (!isFirst) return;
+  draw();
+  showFigures();
+}
+
+/** Link to the paper's figures that this sweep has runs for: "figure_4" among its links. */
+function showFigures() {
+  const links = Object.entries(head.sweep?.links ?? {}).filter(([name]) => /^figure_/.test(name));
+  at("figures").hidden = links.length === 0;
+  at("figures").append(
+    ...links.map(([name, link]) => {
+      const figure = document.createElement("a");
+      figure.href = link;
+      figure.textContent = name.split("_")[1];
+      figure.setAttribute("aria-label", `Figure ${figure.textContent}`);
+      return figure;
+    }),
+  );
 }
 
 /** What the service is asked for: only what changes its answer. */

@@ -76,6 +76,6 @@ def test_a_figure_of_the_paper_is_saved(d3pg: Command, trained: str, tmp_path: P
     d3pg("plot", trained, "-o", str(file), "--figure", "4")
     assert b"Figure 4" in file.read_bytes()
     assert (
-        "normalised"
+        "is given"
         in d3pg("plot", trained, "-o", str(file), "--figure", "4", "--raw", code=2).stderr
     )

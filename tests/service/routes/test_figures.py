@@ -6,10 +6,13 @@ import pytest
 from fastapi import FastAPI
 from starlette.testclient import TestClient
 
+from service.figures.die_figure import bounces
+from service.settings import Settings
 from service.side_process import BusyError
 from service.store.store import Store
 from tests.service.conftest import SWEEP, changed
 from tests.service.training import RANDOM, random_return, rising, train
+from tests.workers.test_rollout import write_policy
 
 
 def test_figures_are_files_with_the_same_bytes_each_time(reader: TestClient, trained: str) -> None:
@@ -89,6 +92,49 @@ def test_a_figure_of_the_paper_shows_its_algorithms_and_its_definition(
     fourth = texts(client.get(f"{link}/figures/4.svg").content)
     assert "hybrid-ddpg" in fourth
     assert "hybrid-ddpg-cosine" not in fourth
+
+
+@pytest.mark.parametrize(
+    ("number", "environment", "told"),
+    [
+        ("2", "MassPoint", ("the critic of the mass point", "epoch 0: off by", "n = 3.")),
+        ("3", "RollingDie", ("the die's way to the target", "best run: seed 2", "start 0: ")),
+    ],
+)
+def test_a_figure_of_what_was_learned(
+    client: TestClient,
+    store: Store,
+    settings: Settings,
+    number: str,
+    environment: str,
+    told: tuple[str, ...],
+) -> None:
+    store.record_random_return(random_return(environment, RANDOM))
+    body = changed(environments=[environment], algorithms=[{"name": "ddpg"}])
+    sweep = client.post("/api/v1/sweeps", json=body).json()
+    link = f"{sweep['links']['self']}/figures/{number}"
+    assert sweep["links"][f"figure_{number}"] == f"{link}.png"
+    nothing = client.get(f"{link}.svg")
+    assert nothing.status_code == 200, nothing.text
+    train(store, 3, rising)
+    for run in range(3):
+        write_policy(settings.checkpoints, f"{sweep['id']}-{run}", environment)
+    figure = client.get(f"{link}.svg")
+    assert figure.status_code == 200, figure.text
+    assert client.get(f"{link}.svg").content == figure.content
+    said = texts(figure.content)
+    for text in told:
+        assert text in said
+    (file,) = settings.checkpoints.glob("*-2/policy" if number == "3" else "*-0/policy")
+    file.write_bytes(file.read_bytes()[:-1])
+    refusal = client.get(f"{link}.svg")
+    assert refusal.status_code == 409
+    assert "cannot be read" in refusal.json()["detail"]
+
+
+def test_a_bounce_is_contacts_that_follow_one_another_at_once() -> None:
+    assert bounces([]) == []
+    assert bounces([36, 38, 40, 77, 107, 112, 118]) == [36, 77, 107, 118]
 
 
 def test_a_figure_without_runs_is_not_there(reader: TestClient, trained: str) -> None:
