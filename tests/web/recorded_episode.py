@@ -26,6 +26,7 @@ def episode(environment: str, steps: int = 120) -> dict[str, Any]:
             break
     answer = {
         "environment": environment,
+        "timestep": 20_000,
         "dt": 0.05,
         "states": [state[0].tolist() for state in states],
         "actions": actions,
@@ -60,4 +61,4 @@ def offer(page: Page, run_id: str, answer: dict[str, Any]) -> None:
         route.fulfill(json=run)
 
     page.route(f"**/api/v1/runs/{run_id}", with_link)
-    page.route(f"**/api/v1/runs/{run_id}/rollout", lambda route: route.fulfill(json=answer))
+    page.route(f"**/api/v1/runs/{run_id}/rollout*", lambda route: route.fulfill(json=answer))

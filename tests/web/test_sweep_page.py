@@ -230,6 +230,9 @@ def test_downloads(opened: Page, live: LiveService, sweep: Sweep) -> None:
     curve = answer["panels"][0]["curves"][0]
     assert [float(row["mean"]) for row in rows[:12]] == curve["mean"]
     assert {row["normalized"] for row in rows} == {"false"}
+    expect(opened.locator("#figures a")).to_have_text(["2", "4"])
+    link = opened.get_by_role("link", name="Figure 2")
+    expect(link).to_have_attribute("href", f"/api/v1/sweeps/{sweep.id}/figures/2.png")
     for form in ("PNG", "SVG", "PDF"):
         with opened.expect_download() as downloading:
             opened.get_by_role("link", name=form).click()

@@ -45,7 +45,12 @@ def test_the_die_is_played_and_scrubbed(signed_in: Page, live: LiveService) -> N
     expect(signed_in.locator("#step-text")).to_contain_text(
         re.compile(r"step 30 of 120, 1\.50 s, reward")
     )
-    expect(signed_in.locator("#stage-text")).to_contain_text("Red arrows are contact impulses.")
+    expect(signed_in.locator("#stage-text")).to_contain_text("Red arrows are contact impulses, the")
+    with signed_in.expect_request("**/rollout?seed=7"):
+        signed_in.get_by_label("Start").fill("7")
+        signed_in.keyboard.press("Tab")
+    expect(signed_in.locator("#step-text")).to_contain_text("step 0 of ")
+    assert state(signed_in) == {"start": ["7"], "speed": ["4"]}
     assert violations(signed_in) == []
 
 

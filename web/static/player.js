@@ -5,30 +5,36 @@ const at = (name) => document.getElementById(name);
 
 /** Dispatches "step" whenever another step is to be shown. */
 export class Player extends EventTarget {
-  #last;
-  #secondsPerStep;
+  #last = 0;
+  #secondsPerStep = 1;
   #position = 0; // in steps, fractional while it plays
   #playing = false;
   #speed;
 
-  /**
-   * @param last the last step
-   * @param secondsPerStep of the task's own time
-   * @param start { step, speed } to begin with
-   */
-  constructor(last, secondsPerStep, { step, speed }) {
+  /** @param speed to begin with */
+  constructor(speed) {
     super();
-    this.#last = last;
-    this.#secondsPerStep = secondsPerStep;
-    this.#position = Math.min(step, last);
     this.#speed = speed;
-    at("scrub").max = String(last);
-    at("scrub").value = String(this.step);
     at("speed").value = String(speed);
     at("play").addEventListener("click", () => this.#toggle());
     at("scrub").addEventListener("input", () => this.#jump(Number(at("scrub").value)));
     at("speed").addEventListener("change", () => (this.#speed = Number(at("speed").value)));
     at("viewer").addEventListener("keydown", (event) => this.#onKey(event));
+  }
+
+  /**
+   * Show an episode.
+   *
+   * @param last its last step
+   * @param secondsPerStep of the task's own time
+   * @param step to begin with
+   */
+  load(last, secondsPerStep, step) {
+    if (this.#playing) this.#toggle();
+    this.#last = last;
+    this.#secondsPerStep = secondsPerStep;
+    at("scrub").max = String(last);
+    this.#jump(step);
   }
 
   get step() {

@@ -19,15 +19,16 @@ const at = (name) => document.getElementById(name);
 
 const view = new View({
   ...CURVE_FIELDS,
-  step: whole, // of the episode in the viewer
+  start: whole, // of the episode in the viewer: which the task draws
+  step: whole,
   speed: oneOf("1", "0.25", "0.5", "2", "4"),
 });
 new Controls(at("controls"), view);
 const charts = new RunCharts(at("charts"), view);
-const viewer = new Viewer(view);
 const showAttempts = attemptList(at("attempts"));
 const onError = (error) => connection.failed(error);
 const refreshRun = new Refresh(loadRun, { interval: 1000, onError });
+const viewer = new Viewer(view, () => refreshRun.hurry());
 const refreshCurves = new Refresh(loadCurves, { interval: 1000, onError });
 
 let run = null;

@@ -7,33 +7,41 @@
  */
 import { faint, themeColour } from "./palette.js";
 
-const METRES_PER_NS = 0.25; // of an impulse's arrow
-const HEAD_PIXELS = 7;
+const LONGEST_ARROW = 0.6; // of the view's height
+const HEAD_PIXELS = 8;
 const GHOST_OPACITY = 0.18;
-const HIGHEST = 0.62; // of the width
+const PAST_OPACITY = 0.35; // of arrows
+const HIGHEST = 0.7; // of the width
 
 export class Stage {
   #canvas;
   #film;
+  #longest;
 
+  /** @param film an episode's film and its contacts, [x, y, px, py][] of each step (m, N s) */
   constructor(canvas, film) {
     this.#canvas = canvas;
     this.#film = film;
+    this.#longest = Math.max(...film.contacts.flat().map(([, , px, py]) => Math.hypot(px, py)));
   }
 
   /**
    * @param step which frame
-   * @param extras { trail: [x, y][], ghosts: number[], arrows: [x, y, px, py][] }: a line behind the
-   *   shapes, frames of which the body is shown faintly, impulses (N s) at points
+   * @param extras a line behind the shapes, frames of which the body is shown faintly, impulses of
+   *   earlier steps and of this one: { trail: [x, y][], ghosts: number[], faintArrows, arrows }
    */
-  draw(step, { trail, ghosts, arrows }) {
+  draw(step, { trail, ghosts, faintArrows, arrows }) {
     const { frames, views } = this.#film;
     const view = views.length === 1 ? views[0] : views[step];
     const pen = new Pen(this.#canvas, view);
     for (const ghost of ghosts) this.#paint(pen, frames[ghost], ["body"], GHOST_OPACITY);
     pen.line(trail, themeColour("stage-trail"));
     this.#paint(pen, frames[step], null, 1);
-    for (const [x, y, px, py] of arrows) pen.arrow(x, y, px, py, themeColour("stage-impulse"));
+    const metres = (LONGEST_ARROW * (view[3] - view[1])) / this.#longest;
+    const red = hex(themeColour("stage-impulse"));
+    for (const [impulses, colour] of [[faintArrows, faint(red, PAST_OPACITY)], [arrows, red]]) {
+      for (const [x, y, px, py] of impulses) pen.arrow(x, y, metres * px, metres * py, colour);
+    }
   }
 
   /** Paint the shapes of some roles, null for all. */
@@ -107,26 +115,28 @@ class Pen {
     context.setLineDash([]);
   }
 
-  arrow(x, y, px, py, colour) {
+  /** An arrow from a point, the head at its end and no longer than it. */
+  arrow(x, y, dx, dy, colour) {
     const context = this.#context;
-    const [fromX, fromY] = [this.#x(x), this.#y(y)];
-    const [toX, toY] = [this.#x(x + METRES_PER_NS * px), this.#y(y + METRES_PER_NS * py)];
-    const angle = Math.atan2(toY - fromY, toX - fromX);
+    const [fromX, fromY, toX, toY] = [this.#x(x), this.#y(y), this.#x(x + dx), this.#y(y + dy)];
+    const length = Math.hypot(toX - fromX, toY - fromY);
+    const head = Math.min(HEAD_PIXELS, length / 2);
+    context.save();
+    context.translate(fromX, fromY);
+    context.rotate(Math.atan2(toY - fromY, toX - fromX));
     context.strokeStyle = context.fillStyle = colour;
-    context.lineWidth = 2;
+    context.lineWidth = 3;
     context.lineCap = "butt";
     context.beginPath();
-    context.moveTo(fromX, fromY);
-    context.lineTo(toX, toY);
+    context.moveTo(0, 0);
+    context.lineTo(length - head, 0);
     context.stroke();
     context.beginPath();
-    for (const turn of [0, 2.6, -2.6]) {
-      context.lineTo(
-        toX + HEAD_PIXELS * Math.cos(angle + turn),
-        toY + HEAD_PIXELS * Math.sin(angle + turn),
-      );
-    }
+    context.moveTo(length, 0);
+    context.lineTo(length - 1.5 * head, 0.75 * head);
+    context.lineTo(length - 1.5 * head, -0.75 * head);
     context.fill();
+    context.restore();
   }
 }
 

@@ -1,7 +1,7 @@
 /** The trained policy acting in its task: an episode of the service's, drawn and played. */
 import { get } from "./api.js";
 import { setText } from "./element.js";
-import { number } from "./format.js";
+import { count, number } from "./format.js";
 import { Player } from "./player.js";
 import { Stage } from "./stage.js";
 import { Surface } from "./surface.js";
@@ -13,36 +13,53 @@ const TRAILS = { RollingDie: ([x, y]) => [x, y] };
 
 export class Viewer {
   #view;
-  #shown = ""; // the run's state that the episode belongs to
+  #shown = ""; // what the episode belongs to: the run's state, and a start
   #episode = null;
   #stage;
   #surface = null;
   #player;
 
-  /** @param view its fields "step" and "speed" are where the episode stands */
-  constructor(view) {
+  /**
+   * @param view its fields "start", "step" and "speed" say which episode, and where it stands
+   * @param onAsked () => void; another episode is wanted: `load` is to be called
+   */
+  constructor(view, onAsked) {
     this.#view = view;
+    this.#player = new Player(Number(view.get("speed")));
+    this.#player.addEventListener("step", () => {
+      if (!this.#player.isPlaying) view.set({ step: this.#player.step });
+      this.#draw();
+    });
+    at("speed").addEventListener("change", () => view.set({ speed: at("speed").value }));
+    at("start").value = String(view.get("start"));
+    at("start").addEventListener("change", () => {
+      if (!at("start").reportValidity()) return;
+      view.set({ start: Number(at("start").value), step: 0 });
+      onAsked();
+    });
     new ResizeObserver(() => this.#draw()).observe(at("stage"));
     document.addEventListener("themechange", () => this.#draw());
   }
 
   /** Show an episode of a run, where the service offers one; again when the run has ended. */
   async load(run, signal) {
-    if (!("rollout" in run.links) || this.#shown === run.status) return;
-    let episode;
+    const start = this.#view.get("start");
+    const wanted = `${run.status} ${start}`;
+    if (!("rollout" in run.links) || this.#shown === wanted) return;
+    at("viewer").hidden = false;
+    setText(at("stage-text"), "An episode is being played …");
     try {
-      episode = await get(`/runs/${run.id}/rollout`, {}, signal);
+      this.#episode = await get(`/runs/${run.id}/rollout`, { seed: start }, signal);
     } catch (error) {
       if (![404, 409, 422].includes(error.status)) throw error;
+      setText(at("stage-text"), error.message);
       return;
     }
-    this.#shown = run.status;
-    if (this.#episode === null) this.#begin(episode);
+    this.#shown = wanted;
+    this.#show(this.#episode);
   }
 
-  #begin(episode) {
-    this.#episode = episode;
-    at("viewer").hidden = false;
+  #show(episode) {
     this.#stage = new Stage(at("stage"), episode);
     if (episode.surface) {
       const figure = at("surface");
@@ -51,15 +68,9 @@ export class Viewer {
       setText(figure.querySelector("figcaption"), this.#surface.caption);
       figure.querySelector("canvas").setAttribute("aria-label", this.#surface.caption);
     }
-    const start = { step: this.#view.get("step"), speed: Number(this.#view.get("speed")) };
-    this.#player = new Player(episode.frames.length - 1, episode.dt, start);
-    this.#player.addEventListener("step", () => {
-      if (!this.#player.isPlaying) this.#view.set({ step: this.#player.step });
-      this.#draw();
-    });
-    at("speed").addEventListener("change", () => this.#view.set({ speed: at("speed").value }));
+    at("player").hidden = false;
+    this.#player.load(episode.frames.length - 1, episode.dt, this.#view.get("step"));
     setText(at("stage-text"), this.#sentence());
-    this.#draw();
   }
 
   #draw() {
@@ -68,11 +79,12 @@ export class Viewer {
     const { step } = this.#player;
     const before = Math.max(0, step - 1); // the step that led here
     const trailOf = TRAILS[environment];
-    const touched = (k) => (contacts?.[k] ?? []).length > 0;
+    const past = trailOf ? contacts.slice(0, before) : []; // what a trail leads past
     this.#stage.draw(step, {
       trail: trailOf ? states.slice(0, step + 1).map(trailOf) : [],
-      ghosts: trailOf ? actions.flatMap((_, k) => (k < step && touched(k) ? [k + 1] : [])) : [],
-      arrows: step > 0 ? (contacts?.[before] ?? []) : [],
+      ghosts: past.flatMap((impulses, k) => (impulses.length > 0 ? [k + 1] : [])),
+      faintArrows: past.flat(),
+      arrows: step > 0 ? contacts[before] : [],
     });
     const action = actions[Math.min(step, actions.length - 1)];
     this.#surface?.draw(states[step][0], action[0]);
@@ -83,15 +95,17 @@ export class Viewer {
   }
 
   #sentence() {
-    const { rewards, terminated, contacts } = this.#episode;
+    const { rewards, terminated, contacts, timestep } = this.#episode;
     const total = rewards.reduce((sum, reward) => sum + reward, 0);
     const end = terminated ? "It ended before the time limit. " : "";
-    const arrows = contacts?.some((each) => each.length > 0)
-      ? "Red arrows are contact impulses. "
+    const longest = Math.max(...contacts.flat().map(([, , px, py]) => Math.hypot(px, py)));
+    const arrows = Number.isFinite(longest)
+      ? `Red arrows are contact impulses, the longest ${number(longest)} N s. `
       : "";
     return (
-      `An episode of the policy as it was saved last, without noise; return ${number(total)}. ` +
-      `${end}${arrows}Keys: k plays and pauses, comma and full stop go a step back and on.`
+      `An episode of the policy as of timestep ${count(timestep)}, without noise; ` +
+      `return ${number(total)}. ${end}${arrows}` +
+      "Keys: k plays and pauses, comma and full stop go a step back and on."
     );
   }
 }

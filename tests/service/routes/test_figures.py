@@ -110,10 +110,11 @@ def test_a_figure_of_what_was_learned(
     told: tuple[str, ...],
 ) -> None:
     store.record_random_return(random_return(environment, RANDOM))
-    body = changed(environments=[environment], algorithms=[{"name": "ddpg"}])
+    body = changed(environments=[environment], algorithms=[{"name": "hybrid-ddpg"}])
     sweep = client.post("/api/v1/sweeps", json=body).json()
     link = f"{sweep['links']['self']}/figures/{number}"
     assert sweep["links"][f"figure_{number}"] == f"{link}.png"
+    assert "figure_5" not in sweep["links"]
     nothing = client.get(f"{link}.svg")
     assert nothing.status_code == 200, nothing.text
     train(store, 3, rising)
