@@ -124,7 +124,7 @@ def step(  # noqa: PLR0911, PLR0912  (one an event)
         case Ready(worker):
             known = worker in state.idle or worker in state.cohorts
             return _up(state) if known else _free(_up(state), worker), []
-        case Busy(worker, cohort, note) if not _trains(state, worker, cohort):
+        case Busy(worker, cohort, note) if worker not in state.cohorts:
             return _with(_up(state), worker, Cohort(cohort, Claim.from_json(note), now)), []
         case News(worker, cohort) if _trains(state, worker, cohort):
             heard = replace(state.cohorts[worker], heard_at=now)

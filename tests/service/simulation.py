@@ -9,9 +9,8 @@ the promises are checked that the step could have broken.
 
 import random
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
 
 import pysqlite3.dbapi2
 from sqlalchemy import Connection, Engine, create_engine, event
@@ -45,7 +44,8 @@ from service.store.migration import upgrade
 from service.store.refusal import ImpossibleMoveError, NotFoundError
 from service.store.retry import RetryPolicy
 from service.store.store import Store
-from tests.service.fake_pool import CYCLE, FakeWorker, measurement_of
+from tests.service.fake_pool import CYCLE, FakeWorker
+from tests.service.promises import Model, Promises, sweep_of
 from workers.progress import Progress
 from workers.report import Busy, Ended, Failed, Lost, News, Ready, Report
 from workers.run_spec import RunSpec
@@ -81,19 +81,14 @@ class SimulatedWorker:
             self.standing = Ready(self.worker.name, 1, "here")
 
     @property
+    def is_held_up(self) -> bool:
+        """Whether its reports have to wait: it is frozen, and so is what it has said last."""
+        return self.worker.is_frozen and not self.is_gone
+
+    @property
     def is_training(self) -> bool:
         """Whether it gets on."""
         return bool(self.worker.specs) and not self.worker.is_frozen and not self.is_gone
-
-
-@dataclass
-class Model:
-    """What must be so of a run, kept from the store's own events."""
-
-    seed: int
-    status: str = RunStatus.QUEUED
-    attempt: int = 0
-    measured: set[int] = field(default_factory=set)
 
 
 class Simulation:
@@ -113,8 +108,8 @@ class Simulation:
         self.names = 0
         self.cluster_is_gone = False
         self.refusals: deque[str] = deque()
-        self.models: dict[str, Model] = {}
-        self.seen_event = 0
+        self.promises = Promises(self.store, self.engine, lambda: self.now, TIMESTEPS, DIVERGING)
+        self.models = self.promises.models
         self.steps = 0
         self.excused_until = 0.0
         self.in_hand: tuple[SimulatedWorker, Report] | None = None
@@ -134,17 +129,20 @@ class Simulation:
             (self.tick, 10),
             (self.submit, 4),
             (self.beat, 4),
-            (self.cancel_run, 0.5),
-            (self.cancel_sweep, 0.1),
+            (self.move_run, 2),
+            (self.cancel_sweep, 0.4),
+            (self.pause_sweep, 0.5),
+            (self.resume_sweep, 1),
+            (self.retry_sweep, 0.6),
             (self.crash, 0.8),
             (self.vanish, 0.3),
             (self.freeze, 0.5),
             (self.thaw, 1),
             (self.repeat, 2),
-            (self.reap, 0.5),
+            (self.reap, 1),
             (self.refuse, 0.5),
             (self.kill_service, 0.3),
-            (self.freeze_service, 0.2),
+            (self.freeze_service, 0.5),
             (self.lose_cluster, 0.1),
             (self.restore_cluster, 0.5),
         ]
@@ -160,6 +158,10 @@ class Simulation:
         self.restore_cluster()
         for simulated in self.workers.values():
             simulated.worker.is_frozen = simulated.worker.is_deaf = False
+        for sweep_id in list(self.promises.paused):
+            self.resume_sweep(sweep_id)
+        for name in [name for name, m in self.models.items() if m.status == RunStatus.PAUSED]:
+            self.ask(self.store.resume_run, name)
         deadline = self.now + 400.0
         while any(model.status not in FINAL for model in self.models.values()):
             assert self.now < deadline, f"not done: {self.models}"
@@ -172,9 +174,9 @@ class Simulation:
             self.finish_commands()
             self.tick()
             self.finish_commands()
-        self.check_counts()
+        self.promises.check_counts()
         for name in self.models:
-            self.check_curve(name)
+            self.promises.check_curve(name)
 
     def finish_commands(self) -> None:
         """Carry out all that was commanded."""
@@ -210,13 +212,16 @@ class Simulation:
         if not self.commands:
             return False
         command = self.commands[0]
-        held = self.holding(command) if isinstance(command, Record) else {}
         fault = self.refusals.popleft() if self.refusals else ""
         if fault == "refused":
             return True
-        answer = self.do(command)
-        if not isinstance(command, QUESTIONS):
-            self.read_events(held)
+        if isinstance(command, QUESTIONS):
+            answer = self.do(command)
+        else:
+            with self.promises.touching(self.touched_by(command)):
+                answer = self.do(command)
+        if isinstance(command, Record):
+            self.check_renewed(command)
         if fault == "answer lost":  # done, but it will be done again
             return True
         self.tell(command)
@@ -224,6 +229,18 @@ class Simulation:
         if answer is not None:
             self.give(answer)
         return True
+
+    def touched_by(self, command: Command) -> set[str]:
+        """The runs that a command may change."""
+        match command:
+            case Record(claim) | Lose(claim) | Release(claim) | Fail(claim):
+                return self.promises.held(claim)
+            case LoseExpired():
+                return self.promises.expired()
+            case ClaimCohort():
+                return self.promises.waiting()
+            case _:
+                return set()
 
     def do(self, command: Command) -> Event | None:
         """Do what `service/dispatch.py` does."""
@@ -282,15 +299,19 @@ class Simulation:
             self.workers.clear()
         self.now += self.random.uniform(0.5, 60.0)
         self.excuse()
+        if self.random.random() < 0.5:
+            self.reap()
         return True
 
     def freeze_service(self) -> bool:
-        """Neither the service nor anything that it would have heard gets on."""
+        """Neither the service nor anything that it would have heard gets on; it wakes first."""
         self.now += self.random.uniform(1.0, 300.0)
         self.tell("the service was frozen")
         self.excuse()
         if self.random.random() < 0.5:
             self.reap()
+        if self.random.random() < 0.5:
+            self.freeze()
         return True
 
     def refuse(self) -> bool:
@@ -337,7 +358,7 @@ class Simulation:
         if name not in self.workers or self.commands or not self.state.pool_is_up:
             return False
         reports = self.workers[name].reports
-        if not reports:
+        if not reports or self.workers[name].is_held_up:
             return False
         self.acknowledge()
         self.in_hand = (self.workers[name], reports.popleft())
@@ -423,7 +444,8 @@ class Simulation:
         """A small sweep; now and then one whose code raises."""
         if sum(model.status not in FINAL for model in self.models.values()) > 12:
             return False
-        seeds = [5] if self.random.random() < 0.1 else list(range(self.random.randint(1, 4)))
+        seeds = list(range(self.random.randint(1, 4)))
+        seeds += [5] if self.random.random() < 0.2 else []
         specs = [RunSpec("ddpg", "Pendulum", seed, timesteps=TIMESTEPS) for seed in seeds]
         sweep = self.store.create_sweep(
             "x", self.random.randint(0, 1), {}, specs, environment_versions={"Pendulum": 1}
@@ -432,104 +454,82 @@ class Simulation:
             self.models[f"{sweep.id}-{ordinal}"] = Model(seed)
         return True
 
-    def cancel_run(self) -> bool:
-        """Cancel any run, one that has ended too."""
-        return self.ask(self.store.cancel_run, self.any_run())
+    def move_run(self) -> bool:
+        """Cancel, pause, resume or retry a run, one that has ended too."""
+        store = self.store
+        move, fitting = self.random.choice(
+            [
+                (store.cancel_run, RunStatus.RUNNING),
+                (store.pause_run, RunStatus.QUEUED),
+                (store.resume_run, RunStatus.PAUSED),
+                (store.retry_run, RunStatus.FAILED),
+            ]
+        )
+        return self.ask(move, self.any_run(fitting), is_retry=move == store.retry_run)
 
     def cancel_sweep(self) -> bool:
-        """Cancel any sweep."""
-        return self.ask(self.store.cancel_sweep, self.any_run().partition("-")[0])
+        """Cancel any sweep: none of its runs begins after that."""
+        sweep_id = sweep_of(self.any_run(RunStatus.RUNNING))
+        is_done = self.ask(self.store.cancel_sweep, sweep_id)
+        self.promises.cancelled |= {sweep_id} if is_done else set()
+        return is_done
 
-    def any_run(self) -> str:
-        return self.random.choice(list(self.models)) if self.models else "none-0"
+    def pause_sweep(self) -> bool:
+        """Pause any sweep: none of its runs begins until it is resumed."""
+        sweep_id = sweep_of(self.any_run(RunStatus.RUNNING))
+        is_done = self.ask(self.store.pause_sweep, sweep_id)
+        self.promises.paused |= {sweep_id} if is_done else set()
+        return is_done
+
+    def resume_sweep(self, sweep_id: str | None = None) -> bool:
+        """Resume any sweep."""
+        sweep_id = sweep_id or sweep_of(self.any_run(RunStatus.PAUSED))
+        is_done = self.ask(self.store.resume_sweep, sweep_id)
+        self.promises.paused -= {sweep_id} if is_done else set()
+        return is_done
+
+    def retry_sweep(self) -> bool:
+        """Have what failed in any sweep tried again."""
+        sweep_id = sweep_of(self.any_run(RunStatus.FAILED))
+        return self.ask(self.store.retry_sweep, sweep_id, is_retry=True)
+
+    def any_run(self, fitting: RunStatus) -> str:
+        """Any run; as often as not one for which what is asked for makes sense."""
+        suited = [name for name, model in self.models.items() if model.status == fitting]
+        names = suited if suited and self.random.random() < 0.5 else list(self.models)
+        return self.random.choice(names) if names else "none-0"
 
     def reap(self) -> bool:
         """Another service on the same database ends what leases have run out."""
         self.tell("another service looks for expired leases")
-        self.store.lose_expired()
-        self.read_events({})
+        with self.promises.touching(self.promises.expired()):
+            self.store.lose_expired()
         return True
 
-    def ask(self, move: Callable[[str], object], name: str) -> bool:
+    def ask(self, move: Callable[[str], object], name: str, *, is_retry: bool = False) -> bool:
         """Ask the store for a move as a client would, who is told where it is impossible."""
+        runs = {name} if "-" in name else self.promises.of(name)
         try:
-            move(name)
+            with self.promises.touching(runs, is_retry=is_retry):
+                move(name)
         except (ImpossibleMoveError, NotFoundError):
             return False
-        self.read_events({})
+        self.tell(f"a client: {move.__name__} {name}")
         return True
 
     # ---- the promises
 
-    def holding(self, record: Record) -> dict[str, int]:
-        """The runs of a claim that are its own before it is written under."""
-        return {
-            run.run_id: run.attempt
-            for run in record.claim.runs
-            if self.models[run.run_id].status == RunStatus.RUNNING
-            and self.models[run.run_id].attempt == run.attempt
-        }
-
-    def read_events(self, holding: dict[str, int]) -> None:
-        """Keep the model, and see that no event says what may not be."""
-        for entry in self.store.events_after(self.seen_event):
-            self.seen_event = entry.id
-            if entry.kind == "run":
-                self.check_move(entry.payload["run_id"], entry.payload)
-            elif entry.kind == "measurements":
-                name = entry.payload["run_id"]
-                assert name in holding, f"{name} was measured by an attempt that was given up"
-                model = self.models[name]
-                fresh = set(range(entry.payload["from"], entry.payload["to"] + 1, CYCLE))
-                assert not fresh & model.measured, f"{name} was measured twice"
-                model.measured |= fresh
-
-    def check_move(self, name: str, payload: Mapping[str, Any]) -> None:
-        """Final states never change, and an attempt is opened by a claim alone.
-
-        An event that finds a run running tells more of its attempt: where it was taken up.
-        """
-        model, status = self.models[name], str(payload["status"])
-        assert model.status not in FINAL, f"{name} was {model.status} and became {status}"
-        begins = status == RunStatus.RUNNING != model.status
-        assert payload["attempt"] == model.attempt + begins
-        assert not begins or model.status == RunStatus.QUEUED
-        model.status, model.attempt = status, model.attempt + begins
-        if status in FINAL:
-            self.check_curve(name)
-
-    def check_curve(self, name: str) -> None:
-        """A curve is the undisturbed one: whole where its run finished, else its beginning."""
-        model = self.models[name]
-        points = self.store.measurements(name)
-        steps = [CYCLE * (index + 1) for index in range(len(points))]
-        assert points == [measurement_of(model.seed, timestep) for timestep in steps]
-        if model.status == RunStatus.SUCCEEDED:
-            assert len(points) == TIMESTEPS // CYCLE
-        if model.status == RunStatus.DIVERGED:
-            assert model.seed in DIVERGING
-            assert len(points) == 1
-
     def check_leases(self) -> None:
         """No run is running for long without a live lease."""
-        with self.engine.connect() as connection:
-            oldest = _oldest_lease(connection)
-        if self.now > self.excused_until and oldest is not None:
-            overdue = self.now - oldest
-            assert overdue <= TIMES.expiry + 2 * LONGEST_STEP, f"a lease ended {overdue} s ago"
+        if self.now > self.excused_until:
+            for name, until in self.promises.leases().items():
+                overdue = self.now - until
+                assert overdue <= TIMES.expiry + 2 * LONGEST_STEP, f"{name}: ended {overdue} s ago"
 
-    def check_counts(self) -> None:
-        """The counts of each sweep are those of its runs."""
-        for sweep in self.store.list_sweeps(limit=10_000):
-            statuses = [m.status for n, m in self.models.items() if n.startswith(f"{sweep.id}-")]
-            for status in RunStatus:
-                assert getattr(sweep.runs, status.value) == statuses.count(status)
-
-
-def _oldest_lease(connection: Connection) -> float | None:
-    query = "SELECT min(lease_until) FROM runs WHERE status = 'running'"
-    oldest: float | None = connection.exec_driver_sql(query).scalar()
-    return oldest
+    def check_renewed(self, record: Record) -> None:
+        """What a worker says renews the leases of those of its runs that go on."""
+        for name in self.promises.held(record.claim):
+            assert self.promises.leases()[name] == self.now + record.claim.lease_seconds
 
 
 def _memory(clock: Callable[[], float]) -> Engine:

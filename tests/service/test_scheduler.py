@@ -5,19 +5,33 @@
 """
 
 import os
+from collections.abc import Collection
+from typing import Any
 
 import pytest
+from sqlalchemy import ColumnElement, Connection, Row
 
+from service.claim import Claim
+from service.run import FINAL, RunStatus
+from service.scheduler import DispatchTimes, State, step
+from service.store import claims, endings, records, sweep_moves
+from service.store.moves import move
+from service.store.runs import run_name
+from service.store.tables import is_running
 from tests.service.simulation import Simulation
+from workers.report import Busy
 
 STEPS = int(os.environ.get("D3PG_SIMULATED_STEPS", "4000"))
 STEPS_OF_THE_LONG_TEST = 100_000
 STEPS_A_WORLD = 1000
 REPLAYED = os.environ.get("D3PG_SIMULATED_SEED")
 
+pytestmark = pytest.mark.timeout(0)
+
 
 def simulate(seed: int) -> int:
     """Simulate one world; says how to see a failure again."""
+    print(f"seed {seed}")  # noqa: T201  (shown whatever it is that ends the test)
     simulation = Simulation(seed)
     try:
         simulation.run(STEPS_A_WORLD)
@@ -40,7 +54,6 @@ def simulate_worlds(first_seed: int, steps: int) -> None:
         seed += 1
 
 
-@pytest.mark.timeout(0)
 def test_any_order_of_events_keeps_every_promise() -> None:
     if REPLAYED is not None:
         simulate(int(REPLAYED))
@@ -51,3 +64,71 @@ def test_any_order_of_events_keeps_every_promise() -> None:
 @pytest.mark.slow
 def test_a_hundred_thousand_events_keep_every_promise() -> None:
     simulate_worlds(1000, STEPS_OF_THE_LONG_TEST)
+
+
+def test_what_a_worker_said_of_an_earlier_cohort_displaces_none() -> None:
+    note = Claim("a", 15.0, ()).to_json()
+    state, _ = step(State(), Busy("a", "new-0/1", note), 0.0, DispatchTimes())
+    repeated, commands = step(state, Busy("a", "old-0/1", note), 1.0, DispatchTimes())
+    assert (repeated.cohorts, commands) == (state.cohorts, [])
+
+
+# ---- a store that lacks one of its fences is found out
+
+
+def test_late_writes_of_earlier_attempts_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    def held_under_any_attempt(connection: Connection, claim: Claim) -> dict[str, Row[Any]]:
+        return {n: row for n, row in rows_of(connection, claim).items() if row.status == "running"}
+
+    for module in (records, endings):
+        monkeypatch.setattr(module, "held_runs", held_under_any_attempt)
+    assert_noticed("was changed by what may not")
+
+
+def test_writes_to_runs_that_have_ended_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    def held_for_ever(connection: Connection, claim: Claim) -> dict[str, Row[Any]]:
+        attempts = {run.run_id: run.attempt for run in claim.runs}
+        found = rows_of(connection, claim)
+        return {name: row for name, row in found.items() if row.attempt == attempts[name]}
+
+    monkeypatch.setattr(endings, "held_runs", held_for_ever)
+    assert_noticed("was changed by what may not")
+
+
+def test_ends_of_leases_that_have_not_ended_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    for module in (claims, endings):
+        monkeypatch.setattr(module, "has_ended", is_running)
+    assert_noticed("was changed by what may not")
+
+
+def test_cancelling_what_has_ended_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sweep_moves, "WAITING", set(RunStatus) - {RunStatus.RUNNING})
+    assert_noticed("and became cancelled")
+
+
+def test_trying_again_what_did_not_fail_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    def move_ended(
+        connection: Connection,
+        condition: ColumnElement[bool],
+        sources: Collection[RunStatus],
+        target: RunStatus,
+        reason: str,
+    ) -> None:
+        taken = FINAL if RunStatus.FAILED in sources else sources
+        move(connection, condition, taken, target, reason)
+
+    monkeypatch.setattr(sweep_moves, "move", move_ended)
+    assert_noticed("and became queued")
+
+
+def rows_of(connection: Connection, claim: Claim) -> dict[str, Row[Any]]:
+    """The claim's runs, whether or not they are its own."""
+    rows = connection.execute(claims.held_rows()).all()
+    found = {run_name(row.sweep_id, row.ordinal): row for row in rows}
+    return {run.run_id: found[run.run_id] for run in claim.runs}
+
+
+def assert_noticed(how: str) -> None:
+    """The worlds of the test above are enough."""
+    with pytest.raises(AssertionError, match=how):
+        simulate_worlds(0, 4000)
