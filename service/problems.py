@@ -26,8 +26,11 @@ from fastapi_problem.error import (
     UnprocessableProblem,
 )
 from fastapi_problem.handler import ExceptionHandler, add_exception_handler, new_exception_handler
+from sqlalchemy.exc import OperationalError
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
+
+from service.store.outage import is_outage
 
 MEDIA_TYPE = "application/problem+json"
 LIMIT_KEYS = ("ge", "gt", "le", "lt", "min_length", "max_length", "multiple_of", "expected")
@@ -83,6 +86,22 @@ class Busy(StatusProblem):
     def __init__(self, detail: str) -> None:
         """Refuse for this reason."""
         super().__init__(detail, headers={"Retry-After": "5"})
+
+
+class DatabaseUnreachable(StatusProblem):
+    """503: the database is away, and was waited for in vain."""
+
+    type_ = "database-unreachable"
+    title = "The database cannot be reached."
+    status = 503
+
+    def __init__(self) -> None:
+        """Say what is to be done: nothing but to ask again."""
+        super().__init__(
+            "The service goes on by itself when it is back; nothing that was acknowledged is lost. "
+            "Try again in a few seconds.",
+            headers={"Retry-After": "5"},
+        )
 
 
 class InternalError(StatusProblem):
@@ -148,10 +167,16 @@ def install_problem_handlers(app: FastAPI) -> None:
     handler = new_exception_handler(
         logger=log,
         unhandled_wrappers={"default": InternalError},
+        handlers={OperationalError: _tell_outage},
         post_hooks=[_add_request_id],
         request_validation_handler=_refuse_invalid,
     )
     add_exception_handler(app, handler)
+    app.add_exception_handler(OperationalError, handler)
+
+
+def _tell_outage(_handler: ExceptionHandler, _request: Request, error: OperationalError) -> Problem:
+    return DatabaseUnreachable() if is_outage(error) else InternalError()
 
 
 def _refuse_invalid(

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from fastapi import FastAPI
+from sqlalchemy.exc import OperationalError
 from starlette.testclient import TestClient
 
 from service.store.store import Store
@@ -73,6 +74,20 @@ def test_an_error_of_ours_tells_nothing_but_where_to_look(
     assert response.headers["content-type"] == "application/problem+json"
     assert "secret" not in response.text
     assert response.json()["request_id"] in response.json()["detail"]
+
+
+def test_a_database_that_is_away_is_no_error_of_ours(
+    client: TestClient, store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise OperationalError("SELECT 1", {}, Exception(), connection_invalidated=True)
+
+    monkeypatch.setattr(store, "list_sweeps", fail)
+    response = client.get("/api/v1/sweeps")
+    assert response.status_code == 503
+    assert int(response.headers["retry-after"]) > 0
+    assert response.json()["type"] == "database-unreachable"
+    assert "goes on by itself" in response.json()["detail"]
 
 
 def test_what_has_no_route_is_a_problem(client: TestClient) -> None:
