@@ -1,15 +1,15 @@
 """Checkpoints of a run: where a worker leaves it, so that another takes it up to the same bits.
 
-    <checkpoints>/<run id>/2-4800.manifest    attempt 2 at timestep 4800 (workers.manifest)
-                           2-4800.state       what the next bits depend on
-                           2-4800.journal     what was lived through since the checkpoint before
+    <checkpoints>/<run id>/2-4800.checkpoint  attempt 2 at timestep 4800: its manifest, a line feed,
+                                              the state that the next bits depend on
+                           2.journal          what attempt 2 lived through (workers.journal)
                            policy             what was learned (algorithms.snapshot)
                            policy-epoch-10    and as of an epoch that figure 2 shows
 
-All are sealed files. The manifest is written last and names every part with its digest, so what can
-be read is whole. The last two checkpoints are kept; where the newest is damaged, the one before
-serves. A worker that was given up may go on writing for a while: it writes under its own attempt's
-number and removes nothing of later ones.
+All but the journal are sealed files. A checkpoint is written after its journal and says how much
+of which journals belongs to it, with the digests, so what can be read is whole. The last two are
+kept; where the newest is damaged, the one before serves. A worker that was given up may go on
+writing for a while: it writes under its own attempt's number and removes nothing of later ones.
 
 Which checkpoint serves: one of the same spec, made by the same code. One from another machine or
 other libraries serves too, but the run's bits are then of two kinds, and it is marked so. One of
@@ -39,7 +39,8 @@ from workers.checkpoint_folder import (
     newest_first,
 )
 from workers.critic_surface import SURFACE_TASK
-from workers.manifest import Manifest, Part, spec_digest
+from workers.journal import Beginning, Journal, pieces
+from workers.manifest import Manifest, spec_digest
 from workers.sealed_file import DamagedError
 
 
@@ -68,23 +69,28 @@ class Checkpoints:
         """Read and write nothing yet. Raises ValueError for a name that is none."""
         self._folder = folder_of(root, assignment.run_id)
         self._attempt = assignment.attempt
+        self._journal = Journal(self._folder / f"{assignment.attempt}.journal")
+        self._journal_end = 0  # the timestep that it has come to
+        self._earlier: Sequence[Beginning] = ()  # journals of earlier attempts
         self._seed = assignment.spec.seed
         self._task = assignment.spec.environment
         self._spec = spec_digest(assignment.spec)
         self._fingerprint = fingerprint
         self._mixed_with: Sequence[str] = ()
-        self._kept: list[Manifest] = []  # the last two, the newer one last
+        self._kept: list[str] = []  # the files of the last two, the newer one last
 
     def find(self) -> Found:
         """Find the newest checkpoint that serves."""
         problems: list[str] = []
         for path in newest_first(self._folder):
             try:
-                manifest = Manifest.from_text(sealed_file.read(path))
+                text, _, state = sealed_file.read(path).partition(b"\n")
+                manifest = Manifest.from_text(text)
                 if refusal := self._refusal(manifest):
                     problems.append(refusal)
                 else:
-                    return self._take_up(manifest, self._saved(manifest), problems)
+                    saved = Saved(sealed_file.unpacked(state), self._lived_through(manifest))
+                    return self._take_up(manifest, path, saved, problems)
             except DamagedError as damage:
                 which = "the one before" if problems else "newest checkpoint"
                 problems.append(f"{which} damaged ({damage})")
@@ -93,26 +99,26 @@ class Checkpoints:
 
     def save(self, learner: Learner, measurements: Sequence[Measurement]) -> None:
         """Write a checkpoint. Raises OSError; the one before stands then."""
-        timestep, before = learner.timestep, self._kept[-1] if self._kept else None
+        timestep = learner.timestep
         self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        path = self._folder / f"{self._attempt}-{timestep}.checkpoint"
         try:
-            state = self._write("state", timestep, learner.state(self._seed))
-            rows = learner.journal(self._seed, 0 if before is None else before.timestep)
-            journal = [] if before is None else [*before.journal]
+            rows = learner.journal(self._seed, self._journal_end)
             if rows:
-                journal.append(self._write("journal", timestep, rows))
+                self._journal.append(rows)
+                self._journal_end = timestep
             manifest = Manifest(
                 spec=self._spec,
                 timestep=timestep,
                 fingerprint=self._fingerprint,
                 mixed_with=self._mixed_with,
-                state=state,
-                journal=journal,
+                journal=[*self._earlier, *self._journal.so_far()],
                 measurements=list(measurements),
             )
-            sealed_file.write(self._path(timestep, "manifest"), manifest.to_text())
+            state = sealed_file.packed(learner.state(self._seed))
+            sealed_file.write(path, manifest.to_text() + b"\n" + state)
             sealed_file.bring_to_disk(self._folder)
-            self._kept = [*self._kept[-1:], manifest]
+            self._kept = [*self._kept[-1:], path.name]
         finally:
             self._remove_what_is_not_kept()
 
@@ -133,10 +139,13 @@ class Checkpoints:
             sealed_file.write(self._folder / name, sealed_file.packed(snapshot.arrays()))
             sealed_file.bring_to_disk(self._folder)
 
-    def _take_up(self, manifest: Manifest, saved: Saved, problems: Sequence[str]) -> Found:
+    def _take_up(
+        self, manifest: Manifest, path: Path, saved: Saved, problems: Sequence[str]
+    ) -> Found:
         differing = _differences(self._fingerprint, manifest.fingerprint)
         self._mixed_with = [*manifest.mixed_with, *differing]
-        self._kept = [manifest]
+        self._kept = [path.name]
+        self._earlier, self._journal_end = manifest.journal, manifest.timestep
         said = [*problems, f"resumed from step {manifest.timestep}"] if problems else []
         if self._mixed_with:
             said.append(f"not bit-comparable: {'; '.join(self._mixed_with)}")
@@ -151,24 +160,13 @@ class Checkpoints:
             return "its checkpoint was made by other code"
         return ""
 
-    def _saved(self, manifest: Manifest) -> Saved:
-        pieces = [self._unpacked(part) for part in manifest.journal]
-        return Saved(self._unpacked(manifest.state), _joined(pieces))
-
-    def _unpacked(self, part: Part) -> State:
-        return sealed_file.unpacked(sealed_file.read(self._folder / part.file, part.digest))
-
-    def _write(self, kind: str, timestep: int, arrays: State) -> Part:
-        path = self._path(timestep, kind)
-        return Part(path.name, sealed_file.write(path, sealed_file.packed(arrays)))
-
-    def _path(self, timestep: int, kind: str) -> Path:
-        return self._folder / f"{self._attempt}-{timestep}.{kind}"
+    def _lived_through(self, manifest: Manifest) -> State:
+        return _joined([p for each in manifest.journal for p in pieces(self._folder, each)])
 
     def _remove_what_is_not_kept(self) -> None:
         """Remove what the last two checkpoints do not need, but nothing of later attempts."""
-        needed = set[str]().union(*(manifest.files for manifest in self._kept))
-        needed |= {Path(m.state.file).with_suffix(".manifest").name for m in self._kept}
+        journals = [*self._earlier, *self._journal.so_far()]
+        needed = {*self._kept, *(each.file for each in journals)}
         for path in self._folder.iterdir():
             named = NAME.match(path.name)
             if named and path.name not in needed and int(named["attempt"]) <= self._attempt:
@@ -197,10 +195,10 @@ def _snapshot(path: Path) -> Snapshot | None:
     return snapshot_of(sealed_file.unpacked(sealed_file.read(path))) if path.exists() else None
 
 
-def _joined(pieces: Sequence[State]) -> State:
+def _joined(states: Sequence[State]) -> State:
     """Pieces of a journal as one."""
-    names = pieces[0] if pieces else {}
-    return {name: np.concatenate([piece[name] for piece in pieces]) for name in names}
+    names = states[0] if states else {}
+    return {name: np.concatenate([each[name] for each in states]) for name in names}
 
 
 def _differences(own: Mapping[str, Any], other: Mapping[str, Any]) -> list[str]:

@@ -11,8 +11,8 @@ POLICY = "policy"
 """What was learned; it outlives the checkpoints."""
 EPOCHS = (1, 10, 75)
 """After which figure 2 shows the critic."""
-NAME = re.compile(r"(?P<attempt>\d+)-(?P<timestep>\d+)\.(manifest|state|journal)")
-"""A file of a checkpoint, finished or not."""
+NAME = re.compile(r"(?P<attempt>\d+)(-(?P<timestep>\d+)\.checkpoint|\.journal)")
+"""A checkpoint or a journal, finished or not."""
 
 
 def folder_of(root: Path, run_id: str) -> Path:
@@ -28,10 +28,10 @@ def epoch_file(epoch: int) -> str:
 
 
 def newest_first(folder: Path) -> list[Path]:
-    """The manifests: of later attempts, then of later timesteps first."""
+    """The checkpoints: of later attempts, then of later timesteps first."""
     found = [
         (int(named["attempt"]), int(named["timestep"]), path)
-        for path in folder.glob("*.manifest")
+        for path in folder.glob("*.checkpoint")
         if (named := NAME.fullmatch(path.name))
     ]
     return [path for *_, path in sorted(found, reverse=True)]
@@ -43,9 +43,9 @@ def has_policy(root: Path, run_id: str) -> bool:
 
 
 def remove_checkpoints(root: Path, run_id: str) -> None:
-    """Remove the checkpoints of a run that has ended; its policy stays."""
+    """Remove the checkpoints of a run that has ended; what it learned stays."""
     folder = folder_of(root, run_id)
     if folder.exists():
         for path in folder.iterdir():
-            if NAME.match(path.name):
+            if not path.name.startswith(POLICY):
                 path.unlink(missing_ok=True)

@@ -1,4 +1,4 @@
-"""The manifest of a checkpoint: what it is of, and which files it is made of."""
+"""The manifest of a checkpoint: what it is of, and which journals belong to it."""
 
 import hashlib
 import json
@@ -7,18 +7,11 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from algorithms.measurement import Measurement
+from workers.journal import Beginning
 from workers.run_spec import RunSpec
 from workers.sealed_file import DamagedError
 
-FORMAT = 1
-
-
-@dataclass(frozen=True)
-class Part:
-    """A sealed file, and the digest it must have."""
-
-    file: str
-    digest: str
+FORMAT = 2
 
 
 @dataclass(frozen=True)
@@ -29,8 +22,7 @@ class Manifest:
     timestep     environment steps the run had taken
     fingerprint  of the worker that wrote it
     mixed_with   how the workers of earlier attempts differed from it; empty while none did
-    state        the learner's state of the run
-    journal      the learner's journal of the run, piece after piece
+    journal      the learner's journal of the run, attempt after attempt
     measurements all of the run, for those that were never delivered
     """
 
@@ -38,14 +30,8 @@ class Manifest:
     timestep: int
     fingerprint: Mapping[str, Any]
     mixed_with: Sequence[str]
-    state: Part
-    journal: Sequence[Part]
+    journal: Sequence[Beginning]
     measurements: Sequence[Measurement]
-
-    @property
-    def files(self) -> set[str]:
-        """The names of its parts."""
-        return {part.file for part in (self.state, *self.journal)}
 
     def to_text(self) -> bytes:
         """Write it as JSON; `from_text` gives an equal one back (a NaN stays a NaN)."""
@@ -58,11 +44,10 @@ class Manifest:
             fields = json.loads(text)
             if (found := fields.pop("format")) != FORMAT:
                 raise DamagedError(f"its format is {found}, not {FORMAT}")
-            fields["state"] = Part(**fields["state"])
-            fields["journal"] = [Part(**part) for part in fields["journal"]]
+            fields["journal"] = [Beginning(**each) for each in fields["journal"]]
             fields["measurements"] = [Measurement(**each) for each in fields["measurements"]]
             return cls(**fields)
-        except (ValueError, TypeError, KeyError, AttributeError) as error:
+        except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
             raise DamagedError(f"its manifest cannot be read: {error}") from error
 
 

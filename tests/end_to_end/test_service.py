@@ -3,7 +3,7 @@
 import os
 import signal
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,7 @@ import pytest
 
 import algorithms
 from service.client import Client
+from service.schemas.run_answer import RunAnswer
 from tests.end_to_end.running_service import RunningService, running_service
 
 pytestmark = pytest.mark.cluster
@@ -66,15 +67,23 @@ def curve(client: Client, run_id: str) -> Curve:
     )
 
 
+def last_timestep(client: Client, run_id: str) -> float:
+    return max((timestep or 0 for timestep, *_ in curve(client, run_id)), default=0)
+
+
 def curves(client: Client, sweep_id: str) -> dict[tuple[str, int], Curve]:
     return {(run.algorithm, run.seed): curve(client, run.id) for run in client.runs(sweep_id)}
 
 
-def wait_for_a_measurement(client: Client, sweep_id: str) -> None:
+def wait_until(is_so: Callable[[], bool]) -> None:
     deadline = time.monotonic() + 120
-    while not any(run.timestep >= 800 for run in client.runs(sweep_id)):
-        assert time.monotonic() < deadline, client.sweep(sweep_id)
+    while not is_so():
+        assert time.monotonic() < deadline
         time.sleep(0.05)
+
+
+def wait_for_a_measurement(client: Client, sweep_id: str) -> None:
+    wait_until(lambda: any(run.timestep >= 800 for run in client.runs(sweep_id)))
 
 
 def test_killed_worker_costs_time_and_nothing_else(
@@ -89,6 +98,36 @@ def test_killed_worker_costs_time_and_nothing_else(
     assert ended.runs.succeeded == ended.runs.total == 4
     assert max(run.attempt for run in client.runs(sweep_id)) >= 2
     assert curves(client, sweep_id) == undisturbed
+
+
+def test_killed_worker_s_run_goes_on_from_its_checkpoint(
+    running: tuple[RunningService, Client],
+) -> None:
+    """Beside it trains its twin, undisturbed: the same bits, also beyond where it was killed."""
+    service, client = running
+    one = REQUEST | {"algorithms": ALGORITHMS[1:], "seeds": [0], "timesteps": 2_000_000}
+    twins = [client.submit(one).id for _ in range(2)]
+
+    def runs() -> list[RunAnswer]:
+        return [client.run(f"{sweep_id}-0") for sweep_id in twins]
+
+    wait_until(lambda: all(run.checkpoint_timestep > 0 for run in runs()))
+    os.kill(service.worker_pids()[0], signal.SIGKILL)
+    wait_until(lambda: any(run.attempt > 1 for run in runs()))
+    at_kill = max(last_timestep(client, run.id) for run in runs() if run.attempt > 1)
+    wait_until(lambda: all(last_timestep(client, run.id) > at_kill for run in runs()))
+    for sweep_id in twins:
+        client.move(sweep_id, "cancel")
+    for sweep_id in twins:
+        client.wait(sweep_id, timeout_seconds=30)
+    twin, killed = sorted(runs(), key=lambda run: run.attempt)
+    assert (twin.attempt, killed.attempt) == (1, 2)
+    assert killed.resumed_timestep is not None
+    assert 0 < killed.resumed_timestep <= at_kill
+    both = [curve(client, run.id) for run in (twin, killed)]
+    undisturbed, resumed = (points[: min(map(len, both))] for points in both)
+    assert resumed == undisturbed
+    assert (resumed[-1][0] or 0) > at_kill
 
 
 def test_killed_server_goes_on_where_it_was(

@@ -25,7 +25,7 @@ def test_an_ended_run_keeps_its_policy_alone(store: Store, tmp_path: Path) -> No
     assert claim is not None
     for run in claim.runs:
         (tmp_path / run.run_id).mkdir()
-        for name in ("1-800.manifest", "1-800.state", "1-800.journal", "policy"):
+        for name in ("1-800.checkpoint", "1.journal", "2.journal.unfinished", "policy"):
             (tmp_path / run.run_id / name).touch()
     written = tuple(CheckpointAttempt(seed, 800) for seed in range(2))
     store.record(claim, Progress(1600, finished=(0,), checkpoints=written))

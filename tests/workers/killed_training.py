@@ -19,19 +19,24 @@ from pathlib import Path
 
 from algorithms.learner import Learner
 from algorithms.measurement import Divergence
+from algorithms.state import State
 from workers import cadence
 from workers.assignment import Assignment
 from workers.execute import build_learner, execute
 from workers.run_spec import RunSpec
 
+REDRAWN = 3
+"""Trials are drawn so often, until enough of them were killed alive, twice."""
+
 
 def train(specs: Sequence[RunSpec], root: Path, attempt: int, result: Path) -> None:
     """Train a cohort to its end, and write where it began and the digest of all it came to."""
-    learners: list[Learner] = []
+    learners: dict[int, Learner] = {}
 
     def keep(asked: Sequence[RunSpec]) -> Learner:
-        learners.append(build_learner(asked))
-        return learners[-1]
+        learner = build_learner(asked)
+        learners.update({spec.seed: learner for spec in asked})
+        return learner
 
     runs = [Assignment(f"run-{spec.seed}", attempt, spec) for spec in specs]
     said = list(execute(runs, root, tuple, os.abort, build_learner=keep))
@@ -42,13 +47,29 @@ def train(specs: Sequence[RunSpec], root: Path, attempt: int, result: Path) -> N
         for m in progress.measurements
     }
     digest = hashlib.sha256(repr(sorted(measured.items())).encode())
-    for learner in learners:
-        for seed in learner.seeds:
-            for name, array in sorted({**learner.state(seed), **learner.journal(seed, 0)}.items()):
-                if name != "seconds":
-                    digest.update(f"{seed} {name}".encode() + array.tobytes())
+    for seed, learner in sorted(learners.items()):
+        for name, array in sorted(came_to(learner, seed).items()):
+            if name != "seconds":
+                digest.update(f"{seed} {name}".encode() + array.tobytes())
     assert not any(isinstance(d, Divergence) for progress in said for d in progress.diverged)
     result.write_text(json.dumps({"begun": begun, "digest": digest.hexdigest()}))
+
+
+def came_to(learner: Learner, seed: int) -> State:
+    """What a run that has ended learned; where it has not left the learner, all that it is."""
+    snapshot = learner.snapshot(seed)
+    learned = {} if snapshot is None else snapshot.arrays()
+    if seed not in learner.seeds:
+        return learned
+    return {**learned, **learner.state(seed), **learner.journal(seed, 0)}
+
+
+def die_at_random(draw: random.Random, pid: int, seconds: float) -> bool:
+    """Kill an attempt at a moment of the time that a whole run takes; was it still alive?"""
+    time.sleep(draw.uniform(0.1, 0.7) * seconds)
+    os.kill(pid, signal.SIGKILL)
+    _, status = os.waitpid(pid, 0)
+    return os.WIFSIGNALED(status)
 
 
 def fork(specs: Sequence[RunSpec], root: Path, attempt: int, result: Path) -> int:
@@ -62,7 +83,7 @@ def fork(specs: Sequence[RunSpec], root: Path, attempt: int, result: Path) -> in
 
 
 def main(algorithm: str, environment: str, timesteps: int, trials: int) -> None:
-    """Kill each trial twice, and print what came of them all."""
+    """Kill each trial twice, alive, and print what came of them all."""
     cadence.SHORTEST_SECONDS, cadence.SHARE = 0.0, math.inf
     specs = [RunSpec(algorithm, environment, seed, (0.0, 0.0), timesteps) for seed in (0, 1)]
     if algorithm.startswith("hybrid"):
@@ -75,20 +96,22 @@ def main(algorithm: str, environment: str, timesteps: int, trials: int) -> None:
         os.waitpid(fork(specs, scratch / "whole", 1, scratch / "whole.json"), 0)
         seconds = time.monotonic() - begun
         whole = json.loads((scratch / "whole.json").read_text())
-        equal = resumed = 0
-        for trial in range(trials):
-            root, result = scratch / f"{trial}", scratch / f"{trial}.json"
-            for attempt in (1, 2):
-                pid = fork(specs, root, attempt, result)
-                time.sleep(draw.uniform(0.1, 0.7) * seconds)
-                os.kill(pid, signal.SIGKILL)
-                os.waitpid(pid, 0)
-            result.unlink(missing_ok=True)
+        killed = equal = resumed = drawn = 0
+        while killed < trials and drawn < REDRAWN * trials:
+            drawn += 1
+            root, result = scratch / f"{drawn}", scratch / f"{drawn}.json"
+            if not all(
+                die_at_random(draw, fork(specs, root, attempt, result), seconds)
+                for attempt in (1, 2)
+            ):
+                continue  # it had come to its end before it could be killed
             os.waitpid(fork(specs, root, 3, result), 0)
             end = json.loads(result.read_text())
+            killed += 1
             equal += end["digest"] == whole["digest"]
             resumed += min(end["begun"]) > 0
-        print(json.dumps({"equal": equal, "resumed": resumed, "seconds": seconds}))  # noqa: T201
+        found = {"killed": killed, "equal": equal, "resumed": resumed, "seconds": seconds}
+        print(json.dumps(found))  # noqa: T201
 
 
 if __name__ == "__main__":

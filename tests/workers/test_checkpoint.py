@@ -19,6 +19,7 @@ from workers import sealed_file
 from workers.assignment import Assignment
 from workers.checkpoint import Checkpoints, Found, find_epochs, find_snapshot
 from workers.checkpoint_folder import remove_checkpoints
+from workers.journal import Journal
 from workers.run_spec import RunSpec
 
 SPEC = RunSpec("fake", "Pendulum", 3, timesteps=10_000)
@@ -65,21 +66,24 @@ def test_without_a_checkpoint_a_run_begins_anew(tmp_path: Path) -> None:
     assert checkpoints_of(tmp_path).find() == Found()
 
 
-def test_the_newest_serves_and_each_wrote_only_what_was_new(tmp_path: Path) -> None:
+def test_the_newest_serves(tmp_path: Path) -> None:
     train(checkpoints_of(tmp_path), FakeLearner([SPEC]), 3)
     found = checkpoints_of(tmp_path, 2).find()
     assert_serves(found, 6 * CYCLE)
     assert found.note == ""
-    sizes = [(tmp_path / "run-3" / f"1-{n * CYCLE}.journal").stat().st_size for n in (2, 4, 6)]
-    assert sizes[0] == sizes[1] == sizes[2]
+
+
+def test_each_writes_only_what_is_new(tmp_path: Path) -> None:
+    checkpoints, learner, sizes = checkpoints_of(tmp_path), FakeLearner([SPEC]), [0]
+    for _ in range(3):
+        train(checkpoints, learner, 1)
+        sizes.append((tmp_path / "run-3" / "1.journal").stat().st_size)
+    assert sizes[1] == sizes[2] - sizes[1] == sizes[3] - sizes[2]
 
 
 def test_two_are_kept(tmp_path: Path) -> None:
     train(checkpoints_of(tmp_path), FakeLearner([SPEC]), 4)
-    assert names(tmp_path) == {
-        *(f"1-{n * CYCLE}.journal" for n in (2, 4, 6, 8)),
-        *(f"1-{n * CYCLE}.{kind}" for n in (6, 8) for kind in ("state", "manifest")),
-    }
+    assert names(tmp_path) == {"1.journal", "1-600.checkpoint", "1-800.checkpoint"}
 
 
 def test_a_later_attempt_goes_on_from_an_earlier_ones(tmp_path: Path) -> None:
@@ -91,42 +95,54 @@ def test_a_later_attempt_goes_on_from_an_earlier_ones(tmp_path: Path) -> None:
     learner.restore({3: saved})
     train(second, learner, 2)
     assert_serves(checkpoints_of(tmp_path, 3).find(), 8 * CYCLE)
-    assert "1-200.journal" in names(tmp_path)
-    assert "1-400.manifest" not in names(tmp_path)
+    assert names(tmp_path) == {
+        *("1.journal", "2.journal"),
+        *("2-600.checkpoint", "2-800.checkpoint"),
+    }
 
 
-@pytest.mark.parametrize("kind", ["manifest", "state", "journal"])
-def test_where_the_newest_is_damaged_the_one_before_serves(tmp_path: Path, kind: str) -> None:
+@pytest.mark.parametrize("name", ["1-400.checkpoint", "1.journal"])
+@pytest.mark.parametrize("damage", ["cut", "flipped"])
+def test_where_the_newest_is_damaged_the_one_before_serves(
+    tmp_path: Path, name: str, damage: str
+) -> None:
     train(checkpoints_of(tmp_path), FakeLearner([SPEC]), 2)
-    part = tmp_path / "run-3" / f"1-{4 * CYCLE}.{kind}"
-    part.write_bytes(part.read_bytes()[:-1])
+    file = tmp_path / "run-3" / name
+    whole = file.read_bytes()
+    file.write_bytes(whole[:-1] + (b"" if damage == "cut" else bytes([whole[-1] ^ 1])))
     found = checkpoints_of(tmp_path, 2).find()
     assert_serves(found, 2 * CYCLE)
     assert found.note == (
-        f"newest checkpoint damaged (hash mismatch of 1-400.{kind}), resumed from step 200"
+        f"newest checkpoint damaged (hash mismatch of {name}), resumed from step 200"
     )
-    part.unlink()
-    if kind != "manifest":
-        note = f"newest checkpoint damaged (1-400.{kind} is missing), resumed from step 200"
-        assert checkpoints_of(tmp_path, 2).find().note == note
 
 
 def test_where_all_are_damaged_a_run_begins_anew_and_says_so(tmp_path: Path) -> None:
     train(checkpoints_of(tmp_path), FakeLearner([SPEC]), 2)
-    (tmp_path / "run-3" / f"1-{2 * CYCLE}.journal").write_bytes(b"")
+    (tmp_path / "run-3" / "1.journal").write_bytes(b"")
     found = checkpoints_of(tmp_path, 2).find()
     assert (found.timestep, found.saved) == (0, None)
     assert found.note == (
-        "newest checkpoint damaged (hash mismatch of 1-200.journal), "
-        "the one before damaged (hash mismatch of 1-200.journal), begun again from step 0"
+        "newest checkpoint damaged (hash mismatch of 1.journal), "
+        "the one before damaged (hash mismatch of 1.journal), begun again from step 0"
     )
+    (tmp_path / "run-3" / "1.journal").unlink()
+    assert "damaged (1.journal is missing)" in checkpoints_of(tmp_path, 2).find().note
 
 
 def test_a_sealed_file_of_something_else_is_refused(tmp_path: Path) -> None:
     train(checkpoints_of(tmp_path), FakeLearner([SPEC]), 1)
-    sealed_file.write(tmp_path / "run-3" / f"1-{2 * CYCLE}.manifest", b'{"format": 1}')
-    note = checkpoints_of(tmp_path, 2).find().note
-    assert note.startswith("newest checkpoint damaged (its manifest cannot be read")
+    path = tmp_path / "run-3" / f"1-{2 * CYCLE}.checkpoint"
+    manifest, _, _ = sealed_file.read(path).partition(b"\n")
+    for payload, told in (
+        (b'{"format": 2}', "its manifest cannot be read"),
+        (b'{"format": 1}', "its manifest cannot be read: its format is 1, not 2"),
+        (b"[" * 100_000, "its manifest cannot be read"),
+        (manifest, "no arrays but something else"),
+    ):
+        sealed_file.write(path, payload)
+        note = checkpoints_of(tmp_path, 2).find().note
+        assert note.startswith(f"newest checkpoint damaged ({told}")
 
 
 def test_a_checkpoint_of_another_spec_is_refused(tmp_path: Path) -> None:
@@ -166,27 +182,23 @@ def test_one_that_was_given_up_disturbs_none_of_its_successor(tmp_path: Path) ->
     train(second, learner, 1)
     train(first, orphan, 3)
     assert_serves(checkpoints_of(tmp_path, 3).find(), 6 * CYCLE)
-    assert "2-600.manifest" in names(tmp_path)
+    assert "2-600.checkpoint" in names(tmp_path)
 
 
-@pytest.mark.parametrize("call", range(3))
+@pytest.mark.parametrize("full", ["append", "write"])
 def test_a_full_disk_costs_the_new_checkpoint_alone(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: int
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, full: str
 ) -> None:
-    """Whichever of its three files does not fit."""
+    """Whichever of its two files does not fit."""
     checkpoints = checkpoints_of(tmp_path)
     learner = train(checkpoints, FakeLearner([SPEC]), 2)
     before = names(tmp_path)
-    write, calls = sealed_file.write, []
 
-    def full(path: Path, payload: bytes) -> str:
-        calls.append(path)
-        if len(calls) > call:
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        return write(path, payload)
+    def fail(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     with monkeypatch.context() as patched:
-        patched.setattr(sealed_file, "write", full)
+        patched.setattr({"append": Journal, "write": sealed_file}[full], full, fail)
         with pytest.raises(OSError, match="No space left"):
             train(checkpoints, learner, 1)
     assert names(tmp_path) == before

@@ -4,21 +4,24 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 
 import pytest
 
 from algorithms import catalogue
 
 TRIALS = 20
-TIMESTEPS = {"gd": 24_000, "mpc": 1_600}
-"""Some seconds of work; off-policy learners take as much for the number below."""
+TIMESTEPS = {"gd": 60_000, "mpc": 10**7}
+"""Some seconds of work (MPC ends with its episode); off-policy learners take as much for this:"""
 USUAL = 4_800
 
 
 @pytest.mark.slow
 @pytest.mark.timeout(1800)
 @pytest.mark.parametrize("algorithm", catalogue.OWN)
-def test_killed_twice_it_ends_with_the_same_bits(algorithm: str) -> None:
+def test_killed_twice_it_ends_with_the_same_bits(
+    algorithm: str, record_property: Callable[[str, object], None]
+) -> None:
     timesteps = TIMESTEPS.get(algorithm, USUAL)
     told = subprocess.run(
         [
@@ -31,5 +34,7 @@ def test_killed_twice_it_ends_with_the_same_bits(algorithm: str) -> None:
         check=True,
     )
     found = json.loads(told.stdout.strip().splitlines()[-1])
+    record_property("found", found)
+    assert found["killed"] == TRIALS, "too many had ended before they could be killed"
     assert found["equal"] == TRIALS
-    assert found["resumed"] >= TRIALS // 2, "too many were killed before their first checkpoint"
+    assert found["resumed"] >= 0.9 * TRIALS, "too many were killed before their first checkpoint"
