@@ -13,7 +13,7 @@ from service.problems import Fault, InvalidRequest
 from service.routes.context import TheStore, TheSweep
 from service.routes.revalidation import RevalidatedRoute
 from service.schemas.curves_answer import CurvesAnswer, curves_json
-from service.schemas.sweep_request import Text
+from service.schemas.sweep_request import MAX_RUNS, Text
 from service.store.store import Store
 from service.submission.nearest import unknown_name
 
@@ -54,12 +54,20 @@ class CurveQuery(BandQuery):
         description="`return_mean`, `return_history`, or a diagnostic that the runs measure.",
     )
     seeds: bool = Field(default=False, description="Each run's own curve too.")
+    run: int | None = Field(
+        default=None,
+        ge=0,
+        le=MAX_RUNS,
+        description="Of this run alone: the number at the end of its id.",
+    )
 
 
 @router.get("/curves", response_model=CurvesAnswer)
 def get_curves(sweep: TheSweep, query: Annotated[CurveQuery, Query()], store: TheStore) -> Response:
     """Answer mean and band over seeds, exact, from all of them, with n."""
-    comparison = compared(store, sweep.id, query, query.metric, with_seeds=query.seeds)
+    comparison = compared(
+        store, sweep.id, query, query.metric, with_seeds=query.seeds, run=query.run
+    )
     return Response(curves_json(sweep.id, comparison, query.seeds), media_type="application/json")
 
 
@@ -78,8 +86,9 @@ def compared(
     environment: str = "",
     *,
     with_seeds: bool = False,
+    run: int | None = None,
 ) -> Comparison:
-    """Return the comparison of a sweep's runs, or of those of some algorithms or of one task.
+    """Return the comparison of a sweep's runs: all, or those of some algorithms, a task, a number.
 
     Raises InvalidRequest for a metric that cannot be shown.
     """
@@ -89,10 +98,10 @@ def compared(
         fault = Fault("normalized", f"only returns have a normalised scale, {metric!r} has none")
         raise InvalidRequest([fault])
     runs = [
-        run
-        for run in store.curve_points(sweep_id, metric, query.x)
-        if (not algorithms or run.spec.algorithm in algorithms)
-        and environment in ("", run.spec.environment)
+        one
+        for one in store.curve_points(sweep_id, metric, query.x, run)
+        if (not algorithms or one.spec.algorithm in algorithms)
+        and environment in ("", one.spec.environment)
     ]
     lines = len(runs) if with_seeds else len({run.spec.cell for run in runs})
     view = View(

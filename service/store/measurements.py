@@ -154,21 +154,22 @@ def diagnostic_names(connection: Connection, sweep_id: str) -> list[str]:
     )
 
 
-def curves(connection: Connection, sweep_id: str, metric: str, x: str) -> list[RunCurve]:
-    """Return a metric of every run of the sweep, in the order of the runs.
+def curves(
+    connection: Connection, sweep_id: str, metric: str, x: str, ordinal: int | None
+) -> list[RunCurve]:
+    """Return a metric of every run of the sweep in their order, or of the one of that ordinal.
 
     metric is "return_mean", "return_history" or a diagnostic's name, x one of ABSCISSAE. A run
     without such measurements has an empty curve. Raises ValueError for another x.
     """
     if x not in ABSCISSAE:
         raise ValueError(f"x is one of {', '.join(ABSCISSAE)}, got {x!r}")
-    numbers, abscissa, values = _points(connection, sweep_id, metric, ABSCISSAE[x])
-    listed = connection.execute(
-        select(runs)
-        .join(sweeps, sweeps.c.number == runs.c.sweep_number)
-        .where(sweeps.c.id == sweep_id)
-        .order_by(runs.c.ordinal)
-    ).all()
+    chosen = select(runs).join(sweeps, sweeps.c.number == runs.c.sweep_number)
+    chosen = chosen.where(sweeps.c.id == sweep_id)
+    if ordinal is not None:
+        chosen = chosen.where(runs.c.ordinal == ordinal)
+    numbers, abscissa, values = _points(connection, chosen, metric, ABSCISSAE[x])
+    listed = connection.execute(chosen.order_by(runs.c.ordinal)).all()
     starts = np.searchsorted(numbers, [row.number for row in listed], side="left")
     ends = np.searchsorted(numbers, [row.number for row in listed], side="right")
     return [
@@ -178,17 +179,14 @@ def curves(connection: Connection, sweep_id: str, metric: str, x: str) -> list[R
 
 
 def _points(
-    connection: Connection, sweep_id: str, metric: str, x: Column[Any]
+    connection: Connection, chosen: Select[Any], metric: str, x: Column[Any]
 ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
-    """All points of a sweep, in order of run and timestep: run number, x, value, each [n]."""
-    of_sweep = (
-        select(runs.c.number)
-        .join(sweeps, sweeps.c.number == runs.c.sweep_number)
-        .where(sweeps.c.id == sweep_id)
-    )
+    """All points of runs, in order of run and timestep: run number, x, value, each [n]."""
     query = (
         select(measurements.c.run_number, x)
-        .where(measurements.c.run_number.in_(of_sweep))  # not joined: then nothing is sorted
+        .where(
+            measurements.c.run_number.in_(chosen.with_only_columns(runs.c.number))
+        )  # not joined: then nothing is sorted
         .order_by(measurements.c.run_number, measurements.c.timestep)
     )
     if metric in METRICS:

@@ -249,13 +249,15 @@ class Store:
         """Return every measurement of a run, in order of timestep."""
         return self._reader.read(lambda c: measurements.of_run(c, run_id))
 
-    def curve_points(self, sweep_id: str, metric: str, x: str = "timesteps") -> list[RunCurve]:
-        """Return one metric of every run of a sweep.
+    def curve_points(
+        self, sweep_id: str, metric: str, x: str = "timesteps", ordinal: int | None = None
+    ) -> list[RunCurve]:
+        """Return one metric of every run of a sweep, or of the one of that ordinal.
 
         metric is "return_mean", "return_history" or a diagnostic's name; x is "timesteps",
         "updates", "jacobians" or "seconds" (ValueError otherwise).
         """
-        return self._reader.read(lambda c: measurements.curves(c, sweep_id, metric, x))
+        return self._reader.read(lambda c: measurements.curves(c, sweep_id, metric, x, ordinal))
 
     def return_outlines(self, run_ids: Sequence[str], points: int) -> dict[str, list[float]]:
         """Return about so many return_mean of each run, evenly spaced and the latest one last."""

@@ -84,8 +84,11 @@ def test_sweeps_are_compared(signed_in: Page, live: LiveService, sweep: Sweep) -
 def test_runs_are_compared(signed_in: Page, live: LiveService, sweep: Sweep) -> None:
     signed_in.goto(f"{live.url}/compare?run={sweep.id}-0&run={sweep.id}-4")
     expect(signed_in.locator("#legend li")).to_have_count(2)
-    expect(signed_in.get_by_role("radio", name="normalised")).to_be_disabled()
-    expect(signed_in.get_by_role("figure", name="Pendulum").locator("canvas")).to_be_visible()
+    figure = signed_in.get_by_role("figure", name="Pendulum")
+    expect(figure.locator("canvas")).to_be_visible()
+    expect(figure).to_contain_text("Mean, n = 1 seed. 0 is the random policy (return ")
+    signed_in.get_by_role("radio", name="raw").check()
+    expect(figure).to_contain_text("Mean, n = 1 seed. Raw, undiscounted returns.")
     expect(signed_in.locator("#differences .differs").first).to_have_text(
         re.compile(r"algorithm\s*ddpg\s*hybrid-ddpg")
     )

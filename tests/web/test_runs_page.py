@@ -59,11 +59,34 @@ def test_a_run_is_cancelled_alone(rows: Locator, live: LiveService) -> None:
 
 def test_selected_runs_are_compared(rows: Locator, sweep: Sweep) -> None:
     page = rows.page
-    expect(page.get_by_role("button", name="Compare selected")).to_be_disabled()
+    selected = page.get_by_role("group", name="Selected runs")
+    expect(selected.get_by_role("button", name="Compare")).to_be_disabled()
     page.get_by_role("checkbox", name="Select run 3").check()
     page.get_by_role("checkbox", name="Select run 12").check()
-    page.get_by_role("button", name="Compare 2 selected").click()
+    expect(selected).to_contain_text("2 selected")
+    selected.get_by_role("button", name="Compare").click()
     page.wait_for_url(re.compile(f"/compare\\?run={sweep.id}-3&run={sweep.id}-12$"))
+
+
+def test_selected_runs_are_moved_together(rows: Locator, live: LiveService, sweep: Sweep) -> None:
+    page = rows.page
+    waiting = live.add_sweep("waiting", environments=("Pendulum",))
+    page.goto(f"{live.url}/sweeps/{waiting.id}/runs")
+    expect(rows).to_have_count(8)
+    page.get_by_role("checkbox", name="Select all on this page").check()
+    page.get_by_role("checkbox", name="Select run 3").uncheck()
+    selected = page.get_by_role("group", name="Selected runs")
+    selected.get_by_role("button", name="Pause").click()
+    expect(selected.get_by_role("status")).to_have_text("7 paused.")
+    expect(rows.filter(has_text="paused")).to_have_count(7)
+    selected.get_by_role("button", name="Cancel").click()
+    dialog = page.get_by_role("dialog")
+    expect(dialog).to_contain_text("Cancel 7 runs?")
+    dialog.get_by_role("button", name="Cancel the runs").click()
+    expect(rows.filter(has_text="cancelled")).to_have_count(7)
+    expect(rows.filter(has_text="queued")).to_have_count(1)
+    selected.get_by_role("button", name="Clear").click()
+    expect(selected).to_contain_text("None selected")
 
 
 def test_rows_progress_by_themselves(rows: Locator, live: LiveService) -> None:

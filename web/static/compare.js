@@ -42,11 +42,9 @@ const refresh = new Refresh(load, {
 });
 let compared = [];
 
-// A run is compared in raw returns, and has no band.
-const hasRuns = () => view.get("run").length > 0;
-if (hasRuns()) view.set({ scale: "raw", band: "none" });
+if (view.get("run").length > 0) view.set({ band: "none" }); // a single run has none
 new Controls(at("controls"), view);
-new MetricChoice(at("controls"), view, () => !hasRuns());
+new MetricChoice(at("controls"), view);
 
 follow(address("/events"), (kind) => kind !== "run" && refresh.request());
 offerSweeps();

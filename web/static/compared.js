@@ -3,7 +3,6 @@
  * the service answers them for a sweep.
  */
 import { get } from "./api.js";
-import { abscissa } from "./diagnostics.js";
 import { flat } from "./facts.js";
 import { learnerText } from "./run_text.js";
 
@@ -20,29 +19,23 @@ export async function comparedSweep(id, question, signal) {
   };
 }
 
-/** A run is a curve of one seed, in raw returns. */
-export async function comparedRun(id, { metric, x }, signal) {
+/** A run is a curve of one seed. */
+export async function comparedRun(id, question, signal) {
   const run = await get(`/runs/${id}`, {}, signal);
-  const { columns } = await get(`/runs/${id}/measurements`, {}, signal);
-  const mean = columns[metric] ?? columns.timestep.map(() => null);
-  const curve = {
-    label: `${learnerText(run)}, seed ${run.seed}`,
-    algorithm: run.algorithm,
-    runs: 1,
-    x: abscissa(columns, x),
-    mean,
-    low: mean.map(() => null),
-    high: mean.map(() => null),
-    n: mean.map(() => 1),
-    seeds: [],
-  };
+  const ordinal = id.slice(id.indexOf("-") + 1);
+  const curves = `/sweeps/${run.sweep_id}/curves`;
+  const { panels } = await get(curves, { ...question, run: ordinal }, signal);
+  const label = `${learnerText(run)}, seed ${run.seed}`;
   const { algorithm, environment, seed, timesteps, weights, config, fingerprint } = run;
   return {
     id,
     name: `run ${id}`,
     page: `/runs/${id}`,
     settings: flat({ algorithm, environment, seed, timesteps, ...weights, config, fingerprint }),
-    panels: [{ environment, random_return: null, curves: [curve] }],
+    panels: panels.map((panel) => ({
+      ...panel,
+      curves: panel.curves.map((curve) => ({ ...curve, label })),
+    })),
   };
 }
 

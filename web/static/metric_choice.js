@@ -5,13 +5,10 @@ import { element } from "./element.js";
 export class MetricChoice {
   #form;
   #view;
-  #hasScale;
 
-  /** @param hasScale () => whether returns have a normalised scale here */
-  constructor(form, view, hasScale = () => true) {
+  constructor(form, view) {
     this.#form = form;
     this.#view = view;
-    this.#hasScale = hasScale;
     view.addEventListener("change", () => this.offer([]));
     this.offer([]);
   }
@@ -24,6 +21,6 @@ export class MetricChoice {
       if (!offered.has(name)) metric.append(element("option", { value: name }, name));
     }
     metric.value = this.#view.get("metric");
-    normalization.disabled = !RETURNS.includes(metric.value) || !this.#hasScale();
+    normalization.disabled = !RETURNS.includes(metric.value);
   }
 }

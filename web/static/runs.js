@@ -5,6 +5,7 @@ import { Controls } from "./controls.js";
 import { element, setText } from "./element.js";
 import { count } from "./format.js";
 import { follow } from "./live.js";
+import { Picked } from "./picked.js";
 import { Refresh } from "./refresh.js";
 import { RunList } from "./run_list.js";
 import { SweepHead } from "./sweep_head.js";
@@ -31,6 +32,7 @@ const runs = new RunList(document.querySelector(".runs tbody"), view, () => refr
 const onError = (error) => connection.failed(error);
 const refreshSweep = new Refresh(loadSweep, { interval: 1000, onError });
 const refreshRuns = new Refresh(loadRuns, { interval: 2000, onError });
+const picked = new Picked(view, () => refreshRuns.hurry());
 const head = new SweepHead(id, " · runs", () => refreshSweep.hurry(), hideRuns);
 
 let listed = [];
@@ -52,9 +54,10 @@ view.addEventListener("change", ({ detail: fields }) => {
 });
 at("next").addEventListener("click", () => turn([...view.get("after"), next]));
 at("previous").addEventListener("click", () => turn(view.get("after").slice(0, -1)));
-at("compare").addEventListener("click", () => {
-  const query = new URLSearchParams(view.get("pick").map((picked) => ["run", picked]));
-  location.assign(`/compare?${query}`);
+at("pick-all").addEventListener("change", () => {
+  const here = listed.map((run) => run.id);
+  const elsewhere = view.get("pick").filter((each) => !here.includes(each));
+  view.set({ pick: at("pick-all").checked ? [...elsewhere, ...here] : elsewhere });
 });
 
 async function loadSweep(signal) {
@@ -90,9 +93,10 @@ async function loadRuns(signal) {
 
 function showRuns() {
   runs.show(listed);
-  const picked = view.get("pick").length;
-  setText(at("compare"), picked > 0 ? `Compare ${count(picked)} selected` : "Compare selected");
-  at("compare").disabled = picked === 0;
+  picked.update();
+  const pickedHere = listed.filter((run) => view.get("pick").includes(run.id)).length;
+  at("pick-all").checked = pickedHere > 0 && pickedHere === listed.length;
+  at("pick-all").indeterminate = pickedHere > 0 && pickedHere < listed.length;
   at("loading").hidden = true;
   document.querySelector(".runs").hidden = listed.length === 0;
   at("no-runs").hidden = listed.length > 0;

@@ -49,6 +49,20 @@ def test_mean_and_band_of_all_seeds(reader: TestClient, trained: str) -> None:
                 assert curve["high"][j] == pytest.approx(mean + deviation, rel=1e-8)
 
 
+def test_a_run_alone_is_its_own_mean(reader: TestClient, trained: str) -> None:
+    for run in (reader.get(f"{trained}/runs").json()["items"])[::5]:
+        number = run["id"].rpartition("-")[2]
+        answer = reader.get(f"{trained}/curves?normalized=false&run={number}").json()
+        [curve] = curves_of(answer)
+        [panel] = answer["panels"]
+        spec = RunSpec(run["algorithm"], run["environment"], run["seed"])
+        assert panel["environment"] == run["environment"]
+        assert curve["mean"] == [pytest.approx(rising(spec, x), rel=1e-8) for x in curve["x"]]
+        assert set(curve["n"]) == {1}
+        assert set(curve["low"]) == {None}
+    assert reader.get(f"{trained}/curves?run=99").json()["panels"] == []
+
+
 def test_normalised_zero_is_random_and_one_is_the_best(reader: TestClient, trained: str) -> None:
     raw = reader.get(f"{trained}/curves?normalized=false").json()
     normalised = reader.get(f"{trained}/curves").json()
