@@ -5,8 +5,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from algorithms.measurement import Measurement
-from algorithms.off_policy import HISTORY, MEASURE_EVERY
+from algorithms.measurement import HISTORY, MEASURE_EVERY, Measurement
 from algorithms.state import State
 
 

@@ -3,6 +3,11 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+MEASURE_EVERY = 800
+"""Timesteps between measurements (section 5.2)."""
+HISTORY = 100
+"""Measurements that `return_history` is the mean of."""
+
 
 @dataclass(frozen=True)
 class Measurement:

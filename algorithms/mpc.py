@@ -38,10 +38,9 @@ from algorithms import network
 from algorithms.history import History
 from algorithms.ilqr import Planner
 from algorithms.ilqr_episode import Episodes, replay, roll_out, window_return
-from algorithms.measurement import Divergence, Measurement
+from algorithms.measurement import MEASURE_EVERY, Divergence, Measurement
 from algorithms.mpc_config import MPCConfig
 from algorithms.network import Shape
-from algorithms.off_policy import MEASURE_EVERY
 from algorithms.policy import Policies, deterministic
 from algorithms.rollout import start_states
 from algorithms.state import Saved, State, part, within

@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 
 from algorithms.evaluation import episode_returns
-from algorithms.measurement import Divergence, Measurement
+from algorithms.measurement import HISTORY, MEASURE_EVERY, Divergence, Measurement
 from algorithms.network import Shape
 from algorithms.policy import Policies, Policy
 from algorithms.replay import Replay
@@ -21,11 +21,6 @@ from algorithms.snapshot import Snapshot
 from algorithms.state import Saved, State, part, within
 from algorithms.threads import one_thread
 from physics.environment import Environment
-
-MEASURE_EVERY = 800
-"""Timesteps between measurements (section 5.2)."""
-HISTORY = 100
-"""Measurements that `return_history` is the mean of."""
 
 
 class Agent(Protocol):

@@ -24,8 +24,7 @@ from typing import Any
 import numpy as np
 
 from algorithms.learner import Learner
-from algorithms.measurement import Measurement
-from algorithms.off_policy import MEASURE_EVERY
+from algorithms.measurement import MEASURE_EVERY, Measurement
 from algorithms.snapshot import Snapshot, snapshot_of
 from algorithms.state import Saved, State
 from workers import sealed_file

@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
 import physics
-from algorithms.off_policy import MEASURE_EVERY
+from algorithms.measurement import MEASURE_EVERY
 from physics.mass_point import START
 from service.comparison import Comparison, LabelledCurve
 from service.figures.figure_form import Form

@@ -103,6 +103,16 @@ class AlgorithmRequest(Request):
         max_length=MAX_LISTED,
         description="Settings that differ from the preset; `GET /catalogue` has their schema.",
     )
+    environments: list[Name] | None = Field(
+        default=None,
+        min_length=1,
+        max_length=MAX_LISTED,
+        description="Those of the sweep's environments that it runs in; left out: all of them.",
+    )
+
+    def runs_in(self, environment: str) -> bool:
+        """Whether it runs in that one of the sweep's environments."""
+        return self.environments is None or environment in self.environments
 
 
 class SweepRequest(Request):
@@ -141,5 +151,11 @@ class SweepRequest(Request):
         ge=1,
         le=MAX_TIMESTEPS,
         description="Environment steps of each run; else the preset's.",
+    )
+    scale: float = Field(
+        default=1.0,
+        gt=0,
+        le=1,
+        description="Share of those timesteps to run, for a quick look; at least one measurement.",
     )
     priority: int = Field(default=0, ge=-1000, le=1000, description="Higher goes first.")

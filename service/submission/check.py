@@ -16,7 +16,12 @@ Value = TypeVar("Value")
 
 def cap_faults(request: SweepRequest) -> list[Fault]:
     """Count the product without expanding it, and refuse one above the cap."""
-    curves = sum(len(_listed(each)) for each in request.algorithms) * len(request.environments)
+    curves = sum(
+        len(_listed(each))
+        for each in request.algorithms
+        for environment in request.environments
+        if each.runs_in(environment)
+    )
     seeds = request.seeds if isinstance(request.seeds, int) else len(request.seeds)
     if (runs := curves * seeds) <= MAX_RUNS:
         return []
@@ -40,7 +45,8 @@ def product_faults(request: SweepRequest) -> list[Fault]:
     return [
         *_repeated({f"seeds[{i}]": seed for i, seed in enumerate(seeds)}),
         *_repeated({f"environments[{i}]": name for i, name in enumerate(request.environments)}),
-        *_repeated(dict(_variants(request))),
+        *_unlisted_environments(request),
+        *_repeated_variants(request),
         *_useless_weights(request),
         *_wrong_settings(request),
         *_impossible_pairs(request),
@@ -66,9 +72,27 @@ def _repeated(values: Mapping[str, Value]) -> list[Fault]:
     ]
 
 
-def _variants(request: SweepRequest) -> Iterator[tuple[str, object]]:
+def _unlisted_environments(request: SweepRequest) -> list[Fault]:
+    """Refuse an algorithm's environment that is none of the sweep's."""
+    return [
+        Fault(f"algorithms[{i}].environments[{j}]", f"{name!r} is none of the sweep's environments")
+        for i, algorithm in enumerate(request.algorithms)
+        for j, name in enumerate(algorithm.environments or [])
+        if name not in request.environments
+    ]
+
+
+def _repeated_variants(request: SweepRequest) -> list[Fault]:
+    """Refuse two equal curves, of the first environment that has such."""
+    each = (_repeated(dict(_variants(request, name))) for name in request.environments)
+    return next(filter(None, each), [])
+
+
+def _variants(request: SweepRequest, environment: str) -> Iterator[tuple[str, object]]:
     """Yield what tells curves of one environment apart, by the field that says it."""
     for i, algorithm in enumerate(request.algorithms):
+        if not algorithm.runs_in(environment):
+            continue
         config = tuple(sorted((name, repr(value)) for name, value in algorithm.config.items()))
         listed = _listed(algorithm)
         for j, weights in enumerate(listed):
@@ -117,7 +141,8 @@ def _impossible_pairs(request: SweepRequest) -> list[Fault]:
         for i, algorithm in enumerate(request.algorithms)
         if catalogue.find(algorithm.name).needs_reward_gradient
         for j, environment in enumerate(request.environments)
-        if not environment_facts(environment).reward_is_differentiable
+        if algorithm.runs_in(environment)
+        and not environment_facts(environment).reward_is_differentiable
     ]
 
 

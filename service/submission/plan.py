@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from algorithms.measurement import MEASURE_EVERY
 from algorithms.presets import preset
 from service.environment import environment_facts
 from service.problems import InvalidRequest
@@ -62,16 +63,18 @@ def plan(request: SweepRequest) -> Plan:
         cell
         for environment in request.environments
         for algorithm in request.algorithms
-        for cell in _cells(algorithm, environment, request.timesteps, seeds[0])
+        if algorithm.runs_in(environment)
+        for cell in _cells(algorithm, environment, request, seeds[0])
     ]
     return Plan(tuple(cells), seeds)
 
 
 def _cells(
-    algorithm: AlgorithmRequest, environment: str, timesteps: int | None, seed: int
+    algorithm: AlgorithmRequest, environment: str, request: SweepRequest, seed: int
 ) -> Iterator[RunSpec]:
     """Yield a cell per pair of weights; what is not named is the preset's."""
     usual = preset(algorithm.name, environment)
+    timesteps = _scaled(request.timesteps or usual.timesteps, request.scale)
     asked = algorithm.weights
     if asked is None:
         pairs = [usual.weights]
@@ -84,6 +87,13 @@ def _cells(
             environment=environment,
             seed=seed,
             weights=weights,
-            timesteps=timesteps or usual.timesteps,
+            timesteps=timesteps,
             config={**usual.config, **algorithm.config},
         )
+
+
+def _scaled(timesteps: int, scale: float) -> int:
+    """Return that share of the timesteps, in whole measurements."""
+    if scale == 1.0:
+        return timesteps
+    return max(round(scale * timesteps / MEASURE_EVERY), 1) * MEASURE_EVERY

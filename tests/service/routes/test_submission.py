@@ -50,6 +50,8 @@ def refusals(idle_client: TestClient, body: Json | bytes) -> dict[str, Json]:
         (changed(timesteps=MAX_TIMESTEPS + 1), "timesteps", MAX_TIMESTEPS),
         (changed(timesteps=10**400), "timesteps", MAX_TIMESTEPS),
         (changed(timesteps=True), "timesteps", None),
+        (changed(scale=0), "scale", 0),
+        (changed(scale=1.5), "scale", 1),
         (changed(priority=1001), "priority", 1000),
         (changed(priority=0.5), "priority", None),
         (changed(seed=4), "seed", None),
@@ -64,6 +66,8 @@ def refusals(idle_client: TestClient, body: Json | bytes) -> dict[str, Json]:
         (algorithm(config=[]), "algorithms[0].config", None),
         (algorithm(config={"a": {"b": 1}}), "algorithms[0].config.a", None),
         (algorithm(config={"a": 10**30}), "algorithms[0].config.a", None),
+        (algorithm(environments=[]), "algorithms[0].environments", 1),
+        (algorithm(environments=["Pendulum", "CartPole"]), "algorithms[0].environments[1]", None),
         (algorithm(wieghts={}), "algorithms[0].wieghts", None),
     ],
 )
@@ -143,6 +147,10 @@ def test_unknown_names_come_with_the_nearest(idle_client: TestClient) -> None:
         (changed(algorithms=[{"name": "ddpg"}, {"name": "ddpg"}]), "algorithms[1]"),
         (algorithm(weights=[{"w1": 1}, {"w1": 1.0, "w2": 0}]), "algorithms[0].weights[1]"),
         (algorithm(weights=[{"w1": 0.0}, {"w1": -0.0}]), "algorithms[0].weights[1]"),
+        (
+            changed(algorithms=[{"name": "ddpg"}, {"name": "ddpg", "environments": ["Pendulum"]}]),
+            "algorithms[1]",
+        ),
     ],
 )
 def test_equal_runs_are_refused(idle_client: TestClient, body: Json, field: str) -> None:

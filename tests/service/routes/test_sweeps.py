@@ -48,6 +48,37 @@ def test_weights_and_seeds_may_be_listed(client: TestClient, store: Store) -> No
     assert [run.spec.weights for run in runs[::3]] == [(1.0, 0.0), (0.0, 0.1)] * 2
 
 
+def test_an_algorithm_may_run_in_some_of_the_environments(client: TestClient, store: Store) -> None:
+    body = {
+        "algorithms": [
+            {"name": "ddpg"},
+            {"name": "mpc", "environments": ["Pendulum"]},
+            {"name": "hybrid-ddpg", "config": {"noise": 0.1}, "environments": ["Acrobot"]},
+            {"name": "hybrid-ddpg", "config": {"noise": 0.2}, "environments": ["Pendulum"]},
+        ],
+        "environments": ["Pendulum", "Acrobot"],
+        "seeds": 2,
+    }
+    sweep = client.post("/api/v1/sweeps", json=body).json()
+    cells = {(run.spec.algorithm, run.spec.environment) for run in store.list_runs(sweep["id"])}
+    assert cells == {
+        ("ddpg", "Pendulum"),
+        ("mpc", "Pendulum"),
+        ("hybrid-ddpg", "Pendulum"),
+        ("ddpg", "Acrobot"),
+        ("hybrid-ddpg", "Acrobot"),
+    }
+    assert sweep["runs"]["total"] == 10
+
+
+@pytest.mark.parametrize(("scale", "timesteps"), [(1, 4000), (0.4, 1600), (0.001, 800)])
+def test_a_scale_takes_whole_measurements(
+    client: TestClient, store: Store, scale: float, timesteps: int
+) -> None:
+    sweep = client.post("/api/v1/sweeps", json=changed(scale=scale, timesteps=4000)).json()
+    assert {run.spec.timesteps for run in store.list_runs(sweep["id"])} == {timesteps}
+
+
 def test_a_dry_run_queues_nothing(client: TestClient) -> None:
     response = client.post("/api/v1/sweeps?dry_run=true", json=SWEEP)
     assert response.status_code == 200

@@ -1,0 +1,1 @@
+"""The paper's evaluation as this system runs it: tuning, sweeps, results."""

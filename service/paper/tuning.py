@@ -1,0 +1,132 @@
+"""How the presets were chosen: sweeps over the paper's search set, two rounds a task.
+
+1. The settings. DDPG with each noise and each decay of its critic; SAC with each reward scale.
+2. The weights. Both hybrids of DDPG, and that of SAC, with each pair (w1, w2) of the paper's
+   {1, 0.1, 0.01}, or with one of the two terms alone. Settings are those that round 1 found best
+   for the algorithm that the hybrid extends: the baseline has the first choice.
+
+What is best has the largest mean, over runs, of the area under the normalised learning curve (the
+mean of its return_mean); of equals the first. Gradient descent and MPC, which have no gradient
+terms, were tuned before this service could run them; `algorithms.presets` has what they reached.
+
+Seeds are none of the evaluation's.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+from service.schemas.curves_answer import CurvesAnswer
+
+SEEDS = [100, 101, 102, 103]
+
+TIMESTEPS = {
+    "MassPoint": 12_000,
+    "CartPole": 40_000,
+    "CartPoleSwingUp": 60_000,
+    "Pendulum": 20_000,
+    "MountainCar": 40_000,
+    "Acrobot": 40_000,
+    "RollingDie": 40_000,
+    "HalfCheetah": 80_000,
+}
+"""Long enough to tell good settings from bad ones; the evaluation is longer."""
+
+SOFT_TASKS = ("CartPole", "CartPoleSwingUp", "Pendulum", "MountainCar", "RollingDie")
+"""The five tasks of the paper's figure 6 (appendix A.2)."""
+
+SETTINGS: Mapping[str, Mapping[str, tuple[Any, ...]]] = {
+    "ddpg": {"noise": (0.2, 0.4, 0.6), "critic_decay": (0.01, 0.0)},
+    "sac": {"reward_scale": (0.1, 0.3, 1.0, 3.0, 10.0)},
+}
+FIXED: Mapping[str, Mapping[str, Any]] = {"HalfCheetah": {"cycle_updates": 100}}
+"""Settings of all DDPG runs in a task, found by hand."""
+
+HYBRIDS = {"ddpg": ("hybrid-ddpg", "hybrid-ddpg-cosine"), "sac": ("hybrid-sac",)}
+
+SIZES = (1.0, 0.1, 0.01)
+PAIRS = [*product(SIZES, SIZES), *((w, 0.0) for w in SIZES), *((0.0, w) for w in SIZES)]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What one cell of a tuning sweep reached.
+
+    area, end  mean over runs of the mean, and of the last tenth, of the normalised return_mean
+    runs       how many measured anything
+    """
+
+    environment: str
+    algorithm: str
+    weights: tuple[float, float]
+    config: Mapping[str, Any]
+    area: float
+    end: float
+    runs: int
+
+
+def settings_sweep(environment: str, algorithm: str) -> dict[str, Any]:
+    """Round 1: an algorithm without gradient terms, with each of its settings."""
+    grid = SETTINGS[algorithm]
+    fixed = FIXED.get(environment, {}) if algorithm == "ddpg" else {}
+    return _sweep(
+        f"tuning: settings of {algorithm}, {environment}",
+        environment,
+        [
+            {"name": algorithm, "config": {**fixed, **dict(zip(grid, values, strict=True))}}
+            for values in product(*grid.values())
+        ],
+    )
+
+
+def weights_sweep(environment: str, baseline: str, config: Mapping[str, Any]) -> dict[str, Any]:
+    """Round 2: the hybrids of an algorithm under its best settings, with each pair of weights."""
+    pairs = [{"w1": w1, "w2": w2} for w1, w2 in PAIRS]
+    return _sweep(
+        f"tuning: weights over {baseline}, {environment}",
+        environment,
+        [
+            {"name": hybrid, "weights": pairs, "config": dict(config)}
+            for hybrid in HYBRIDS[baseline]
+        ],
+    )
+
+
+def _sweep(name: str, environment: str, algorithms: list[dict[str, Any]]) -> dict[str, Any]:
+    return {
+        "name": name,
+        "algorithms": algorithms,
+        "environments": [environment],
+        "seeds": SEEDS,
+        "timesteps": TIMESTEPS[environment],
+    }
+
+
+def outcomes(curves: CurvesAnswer) -> list[Outcome]:
+    """What each cell of a sweep reached, from its normalised `return_mean`, seeds left out."""
+    return [
+        Outcome(
+            panel.environment,
+            curve.algorithm,
+            (curve.weights.w1, curve.weights.w2),
+            curve.config,
+            _mean(curve.mean),
+            _mean(curve.mean[-max(1, len(curve.mean) // 10) :]),
+            min(curve.n, default=0),
+        )
+        for panel in curves.panels
+        for curve in panel.curves
+    ]
+
+
+def best(rows: Iterable[Outcome], algorithm: str) -> Outcome:
+    """The cell of an algorithm with the largest area; raises ValueError where there is none."""
+    return max((row for row in rows if row.algorithm == algorithm), key=lambda row: row.area)
+
+
+def _mean(values: list[float | None]) -> float:
+    """NaN counts as minus infinity: what diverged is not chosen."""
+    if not values or any(value is None for value in values):
+        return float("-inf")
+    return sum(value for value in values if value is not None) / len(values)
