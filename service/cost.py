@@ -26,17 +26,43 @@ BASIS_TEXT: Mapping[Basis, str] = {
 }
 
 # Core-seconds of 1000 timesteps under the presets (w1 = 1 where a hybrid has none): process time
-# between timesteps 1,200 and 2,800 of one run on one thread of a shared AMD EPYC core in November
-# 2026. Good to a factor of two or so elsewhere; the first finished runs replace them.
+# between timesteps 1,200 and 2,800 of one run, of gd up to 12,000 and of mpc up to 60,000, on one
+# thread of a shared AMD EPYC core in November 2026. Good to a factor of two or so elsewhere; the
+# first finished runs replace them. What ends before its timesteps, as gd on a plateau and mpc with
+# its episode, costs less than they say.
 SECONDS_PER_1000: Mapping[str, Mapping[str, float]] = {
-    "MassPoint": {"ddpg": 0.11, "hybrid-ddpg": 0.12, "hybrid-ddpg-cosine": 0.14},
-    "Pendulum": {"ddpg": 0.08, "hybrid-ddpg": 0.13, "hybrid-ddpg-cosine": 0.14},
-    "CartPole": {"ddpg": 0.09, "hybrid-ddpg": 0.15, "hybrid-ddpg-cosine": 0.16},
-    "CartPoleSwingUp": {"ddpg": 0.10, "hybrid-ddpg": 0.14, "hybrid-ddpg-cosine": 0.13},
-    "MountainCar": {"ddpg": 0.10, "hybrid-ddpg": 0.13, "hybrid-ddpg-cosine": 0.13},
-    "Acrobot": {"ddpg": 0.10, "hybrid-ddpg": 0.21, "hybrid-ddpg-cosine": 0.14},
-    "RollingDie": {"ddpg": 0.08, "hybrid-ddpg": 0.18, "hybrid-ddpg-cosine": 0.13},
-    "HalfCheetah": {"ddpg": 0.11, "hybrid-ddpg": 0.18, "hybrid-ddpg-cosine": 0.18},
+    "MassPoint": {
+        "ddpg": 0.11, "hybrid-ddpg": 0.12, "hybrid-ddpg-cosine": 0.14,
+        "sac": 0.22, "hybrid-sac": 0.30, "gd": 0.034, "mpc": 0.0015,
+    },
+    "Pendulum": {
+        "ddpg": 0.08, "hybrid-ddpg": 0.13, "hybrid-ddpg-cosine": 0.14,
+        "sac": 0.21, "hybrid-sac": 0.31, "gd": 0.035, "mpc": 0.0058,
+    },
+    "CartPole": {
+        "ddpg": 0.09, "hybrid-ddpg": 0.15, "hybrid-ddpg-cosine": 0.16,
+        "sac": 0.22, "hybrid-sac": 0.31, "gd": 0.035, "mpc": 0.0034,
+    },
+    "CartPoleSwingUp": {
+        "ddpg": 0.10, "hybrid-ddpg": 0.14, "hybrid-ddpg-cosine": 0.13,
+        "sac": 0.22, "hybrid-sac": 0.31, "gd": 0.039, "mpc": 0.0019,
+    },
+    "MountainCar": {
+        "ddpg": 0.10, "hybrid-ddpg": 0.13, "hybrid-ddpg-cosine": 0.13,
+        "sac": 0.21, "hybrid-sac": 0.31, "gd": 0.036, "mpc": 0.0026,
+    },
+    "Acrobot": {
+        "ddpg": 0.10, "hybrid-ddpg": 0.21, "hybrid-ddpg-cosine": 0.14,
+        "sac": 0.22, "hybrid-sac": 0.33,
+    },
+    "RollingDie": {
+        "ddpg": 0.08, "hybrid-ddpg": 0.18, "hybrid-ddpg-cosine": 0.13,
+        "sac": 0.22, "hybrid-sac": 0.32, "gd": 0.040, "mpc": 0.0023,
+    },
+    "HalfCheetah": {
+        "ddpg": 0.11, "hybrid-ddpg": 0.18, "hybrid-ddpg-cosine": 0.18,
+        "sac": 0.25, "hybrid-sac": 0.38, "gd": 0.057, "mpc": 0.0100,
+    },
 }  # fmt: skip
 
 
