@@ -6,6 +6,7 @@ the command was called wrongly; 130 interrupted.
 
 from __future__ import annotations
 
+import json
 import os
 import sys
 from typing import Annotated
@@ -22,7 +23,7 @@ from service.cli.moving import cancel, pause, resume, retry
 from service.cli.rolling import rollout
 from service.cli.serving import serve
 from service.cli.submitting import submit
-from service.cli.terminal import console, say
+from service.cli.terminal import AsJson, console, say
 from service.client import ServiceError, find_token
 
 app = typer.Typer(
@@ -41,9 +42,9 @@ for command in COMMANDS:
 
 
 @app.command()
-def token() -> None:
+def token(as_json: AsJson = False) -> None:
     """Print the service's token, for `Authorization: Bearer`."""
-    say(find_token())
+    say(json.dumps({"token": find_token()}) if as_json else find_token())
 
 
 @app.command(name="demo")

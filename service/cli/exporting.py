@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 import sys
 from collections.abc import Iterable, Iterator
 from enum import StrEnum
@@ -111,7 +112,7 @@ def table(
             for row in answer.rows
         ],
     )
-    say(answer.definition)
+    say(answer.definition.replace("Bold:", "Starred:"))
 
 
 def entry_text(entry: EntryAnswer | None, decimals: int) -> str:
@@ -129,6 +130,7 @@ def plot(
         PaperFigure | None, typer.Option(help="A figure of the paper; else every curve.")
     ] = None,
     raw: Annotated[bool, typer.Option("--raw", help="Raw returns, not normalised.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Save the curves of a sweep, or one of the paper's figures of it, as a file."""
     form = next((form for form in MEDIA_TYPES if output.suffix.lower() == f".{form}"), None)
@@ -143,4 +145,4 @@ def plot(
             else client.figure(sweep_id, form, figure.value)
         )
     output.write_bytes(picture)
-    say(f"Wrote {output}")
+    say(json.dumps({"file": str(output)}) if as_json else f"Wrote {output}")

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable, Iterator
 
+import typer
 from rich.console import Console, Group
 from rich.live import Live
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
-from rich.text import Text
 
-from service.cli.terminal import AsJson, SweepId, console, print_table, say, table_of
+from service.cli.terminal import AsJson, SweepId, console, plain, print_table, say, table_of
 from service.client import Client
 from service.schemas.curves_answer import CurveAnswer
 from service.schemas.run_answer import RunAnswer
 from service.schemas.sweep_answer import SweepAnswer
 
+MAX_NAME = 24
 HEADINGS = ("task", "algorithm", "timestep", "return_history", "n")
 
 Progressed = Callable[[SweepAnswer], None]
@@ -24,17 +26,21 @@ def watch(sweep_id: SweepId, as_json: AsJson = False) -> None:
     """Follow a sweep to its end: progress, ETA, where its curves stand."""
     with Client() as client:
         code = follow(client, sweep_id, console, as_json=as_json)
-    raise SystemExit(code)
+    raise typer.Exit(code)
 
 
 def follow(client: Client, sweep_id: str, console: Console, *, as_json: bool = False) -> int:
-    """Show a sweep until it ends; the exit code: 0 if no run failed or diverged, else 1."""
+    """Show a sweep until it ends; the exit code: 0 if no run failed or diverged, else 1.
+
+    Raises KeyboardInterrupt, having said that the sweep goes on.
+    """
     sweep = client.sweep(sweep_id)
-    if as_json:
-        ended = client.wait(sweep_id, progressed=changes(lambda s: say(s.model_dump_json())))
-    else:
-        show = _follow_live if console.is_terminal else _follow_lines
-        ended = show(client, sweep, console)
+    try:
+        ended = _followed(client, sweep, console, as_json)
+    except KeyboardInterrupt:
+        typer.echo(f"The sweep goes on. Look again: d3pg watch {sweep_id}", err=True)
+        raise
+    if not as_json:
         for run in _unsuccessful(client, ended):
             say(
                 f"{run.id} {run.algorithm} {run.environment} seed {run.seed}: "
@@ -44,16 +50,25 @@ def follow(client: Client, sweep_id: str, console: Console, *, as_json: bool = F
     return 1 if ended.runs.failed + ended.runs.diverged else 0
 
 
+def _followed(client: Client, sweep: SweepAnswer, console: Console, as_json: bool) -> SweepAnswer:
+    """Show a sweep until it ends."""
+    if as_json:
+        return client.wait(sweep.id, progressed=changes(lambda s: say(s.model_dump_json())))
+    show = _follow_live if console.is_terminal else _follow_lines
+    return show(client, sweep, console)
+
+
 def _follow_live(client: Client, sweep: SweepAnswer, console: Console) -> SweepAnswer:
     progress = Progress(
         TextColumn("{task.description}", markup=False),
-        BarColumn(),
+        BarColumn(bar_width=24),
         TaskProgressColumn(),
         TextColumn("{task.fields[eta]}"),
         TextColumn("{task.fields[counts]}"),
         console=console,
     )
-    bar = progress.add_task(Text(sweep.name).plain, total=1.0, eta="", counts="")
+    name = textwrap.shorten(plain(sweep.name), MAX_NAME, placeholder=" …") or sweep.id
+    bar = progress.add_task(name, total=1.0, eta="", counts="")
     with Live(console=console, refresh_per_second=4) as live:
 
         def progressed(sweep: SweepAnswer) -> None:
@@ -125,8 +140,8 @@ def counts_text(sweep: SweepAnswer) -> str:
 
 
 def eta_text(sweep: SweepAnswer) -> str:
-    """The time left in words; empty where it is not known."""
-    if sweep.eta_seconds is None:
+    """The time left in words; empty where it is not known, or none is left."""
+    if not sweep.eta_seconds:
         return ""
     minutes, seconds = divmod(round(sweep.eta_seconds), 60)
     hours, minutes = divmod(minutes, 60)

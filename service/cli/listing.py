@@ -47,10 +47,10 @@ def list_sweeps(sweeps: list[SweepAnswer], limit: int, as_json: bool) -> None:
         print_json(Page[SweepAnswer](items=sweeps[:limit], next=None))
         return
     print_table(
-        ("sweep", "status", "progress", "ETA", "runs", "submitted", "name"),
+        ("sweep", "status", "done", "ETA", "runs", "submitted (UTC)", "name"),
         [
-            (s.id, s.status, f"{s.progress:.0%}", eta_text(s).removeprefix("ETA ") or "-",
-             counts_text(s), f"{s.created_at:%Y-%m-%d %H:%M} UTC", s.name)
+            (s.id, s.status, f"{s.progress:.0%}", eta_text(s).removeprefix("ETA "),
+             counts_text(s), f"{s.created_at:%Y-%m-%d %H:%M}", s.name)
             for s in sweeps[:limit]
         ],
     )  # fmt: skip
@@ -65,8 +65,8 @@ def list_runs(runs: list[ListedRunAnswer], limit: int, as_json: bool) -> None:
     print_table(
         ("run", "status", "algorithm", "w1", "w2", "task", "seed", "timestep", "reason"),
         [
-            (r.id, r.status, r.algorithm, r.weights.w1, r.weights.w2, r.environment, r.seed,
-             f"{r.timestep}/{r.timesteps}", r.reason)
+            (r.id, r.status, r.algorithm, f"{r.weights.w1:g}", f"{r.weights.w2:g}", r.environment,
+             r.seed, f"{r.timestep}/{r.timesteps}", r.reason)
             for r in runs[:limit]
         ],
     )  # fmt: skip

@@ -62,7 +62,7 @@ def submit(
         if as_json:
             print_json(sweep)
         else:
-            say(f"Sweep {sweep.id}: {sweep.runs.total} runs queued.")
+            say(f"Sweep {sweep.id}: {counted_runs(sweep.runs.total)} queued.")
             say(f"{client.url}/sweeps/{sweep.id}")
         if watch:
             raise typer.Exit(follow(client, sweep.id, console, as_json=as_json))
@@ -109,17 +109,24 @@ def show_estimate(answer: DryRunAnswer, as_json: bool) -> None:
         ("task", "algorithm", "w1", "w2", "timesteps", "seeds", "core time"),
         [(*cell_columns(cell), cell.seeds, cost_text(cell.cost)) for cell in answer.cells],
     )
-    say(f"{answer.runs.total} runs, {answer.timesteps:,} timesteps; nothing was queued.")
+    say(f"{counted_runs(answer.runs.total)}, {answer.timesteps:,} timesteps; nothing was queued.")
     estimate = answer.estimate
     if estimate.core_seconds is not None:
         say(f"About {duration(estimate.core_seconds)} of one core" + wall_text(answer) + ".")
     say(estimate.explanation)
 
 
+def counted_runs(count: int) -> str:
+    """`1 run`, `16 runs`."""
+    return f"{count:,} run{'' if count == 1 else 's'}"
+
+
 def cell_columns(cell: CellAnswer) -> tuple[object, ...]:
     """Task, algorithm, weights and timesteps."""
     weights = cell.weights
-    return cell.environment, cell.algorithm, weights.w1, weights.w2, cell.timesteps
+    return (
+        cell.environment, cell.algorithm, f"{weights.w1:g}", f"{weights.w2:g}", cell.timesteps
+    )  # fmt: skip
 
 
 def cost_text(cost: CostAnswer) -> str:

@@ -11,6 +11,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+MAX_UNFOLDED = 18
+"""Characters of a cell, such as an id or a date, that stays on one line."""
+
 console = Console()
 
 AsJson = Annotated[bool, typer.Option("--json", help="Print the service's answer as JSON.")]
@@ -40,12 +43,18 @@ def print_table(headings: Sequence[str], rows: Rows, console: Console = console)
 
 
 def table_of(headings: Sequence[str], rows: Rows) -> Table:
-    """The table for a terminal; long cells are folded, none is cut."""
-    table = Table(*headings, box=None, padding=(0, 2, 0, 0), header_style="bold")
-    for column in table.columns:
-        column.overflow = "fold"
-    for row in rows:
-        table.add_row(*(Text(plain(cell)) for cell in row))
+    """The table for a terminal: without empty columns, long cells folded, short ones whole."""
+    columns = [
+        (heading, [plain(cell) for cell in cells])
+        for heading, *cells in zip(headings, *rows, strict=True)
+    ]
+    shown = [(heading, cells) for heading, cells in columns if any(cells) or not cells]
+    table = Table(box=None, padding=(0, 2, 0, 0), header_style="bold")
+    for heading, cells in shown:
+        is_short = max(map(len, cells), default=0) <= MAX_UNFOLDED
+        table.add_column(heading, overflow="fold", no_wrap=is_short)
+    for row in zip(*(cells for _, cells in shown), strict=True):
+        table.add_row(*map(Text, row))
     return table
 
 

@@ -8,6 +8,7 @@ import pytest
 from rich.console import Console
 
 from service.cli.following import changes, counts_text, eta_text, follow, standings
+from service.cli.terminal import table_of
 from service.client import Client
 from service.schemas.curves_answer import CurvesAnswer
 from service.schemas.sweep_answer import SweepAnswer
@@ -81,6 +82,30 @@ def test_a_trained_sweep_in_lines_and_on_a_terminal(service: Client, store: Stor
         assert "12 succeeded" in text
         assert "Pendulum" in text
         assert ("\t" in text) is not is_terminal
+
+
+def test_who_stops_looking_is_told_that_the_sweep_goes_on(
+    service: Client, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupted(*_: object, **__: object) -> SweepAnswer:
+        raise KeyboardInterrupt
+
+    sweep_id = service.submit(SWEEP).id
+    monkeypatch.setattr(service, "wait", interrupted)
+    for is_terminal in (False, True):
+        with pytest.raises(KeyboardInterrupt):
+            follow(service, sweep_id, Console(file=io.StringIO(), force_terminal=is_terminal))
+        assert f"The sweep goes on. Look again: d3pg watch {sweep_id}" in capsys.readouterr().err
+
+
+def test_on_a_terminal_ids_stay_whole_and_empty_columns_are_left_out() -> None:
+    output = Console(file=io.StringIO(), force_terminal=True, width=40)
+    row = ("0123456789ab-0", "hybrid-ddpg-cosine", "", "why it failed: the loss was not finite")
+    output.print(table_of(("run", "algorithm", "nothing", "reason"), [row]))
+    text = output.file.getvalue()  # type: ignore[attr-defined]
+    assert "0123456789ab-0" in text
+    assert "hybrid-ddpg-cosine" in text
+    assert "nothing" not in text
 
 
 def test_json_is_a_line_a_change(

@@ -11,7 +11,7 @@ def test_sweeps_are_lines_newest_first(d3pg: Command, service: Client) -> None:
     first = service.submit(changed(name="[red]tab\there"))
     second = service.submit(changed(name="two"))
     heading, *lines = d3pg("ls").stdout.splitlines()
-    assert heading.split("\t")[:3] == ["sweep", "status", "progress"]
+    assert heading.split("\t")[:3] == ["sweep", "status", "done"]
     assert [line.split("\t")[0] for line in lines] == [second.id, first.id]
     assert lines[1].split("\t")[4:] == ["12 queued", lines[1].split("\t")[5], "[red]tab here"]
     assert as_json(d3pg("ls", "--json"))["items"][0]["id"] == second.id

@@ -76,7 +76,7 @@ def test_the_same_key_is_the_same_sweep(d3pg: Command, service: Client) -> None:
 
 def test_a_dry_run_counts_and_estimates(d3pg: Command, service: Client) -> None:
     lines = d3pg("submit", "-", "--dry-run", stdin=YAML).stdout.splitlines()
-    assert lines[1].split("\t")[:6] == ["Pendulum", "ddpg", "0.0", "0.0", "800", "2"]
+    assert lines[1].split("\t")[:6] == ["Pendulum", "ddpg", "0", "0", "800", "2"]
     assert lines[2] == "2 runs, 1,600 timesteps; nothing was queued."
     assert "of one core" in lines[3]
     assert "on the 2 workers here" in lines[3]
