@@ -26,6 +26,8 @@ class Algorithm:
         config: "module:class" of its settings, a frozen pydantic dataclass.
         uses_weights: whether w1 and w2 mean something to it.
         needs_reward_gradient: whether it refuses tasks whose reward is not differentiable.
+        memory: "module:function" of `(environment, weights, timesteps, config) -> bytes` that a run
+            comes to fill; empty where that is next to nothing.
     """
 
     name: str
@@ -34,6 +36,7 @@ class Algorithm:
     config: str
     uses_weights: bool
     needs_reward_gradient: bool
+    memory: str = ""
 
     def config_class(self) -> type[Any]:
         """The class of its settings."""
@@ -45,6 +48,11 @@ class Algorithm:
         loaded: Callable[..., Any] = resolve_name(self.builder)
         return loaded
 
+    def load_memory(self) -> Callable[..., int] | None:
+        """The function that says how much memory a run fills, if there is one."""
+        loaded: Callable[..., int] | None = resolve_name(self.memory) if self.memory else None
+        return loaded
+
 
 OWN = {
     "ddpg": Algorithm(
@@ -54,6 +62,7 @@ OWN = {
         config="algorithms.ddpg_config:DDPGConfig",
         uses_weights=False,
         needs_reward_gradient=False,
+        memory="algorithms.memory:of_replay",
     ),
     "hybrid-ddpg": Algorithm(
         name="hybrid-ddpg",
@@ -62,6 +71,7 @@ OWN = {
         config="algorithms.ddpg_config:DDPGConfig",
         uses_weights=True,
         needs_reward_gradient=False,
+        memory="algorithms.memory:of_replay",
     ),
     "hybrid-ddpg-cosine": Algorithm(
         name="hybrid-ddpg-cosine",
@@ -70,6 +80,7 @@ OWN = {
         config="algorithms.ddpg_config:DDPGConfig",
         uses_weights=True,
         needs_reward_gradient=False,
+        memory="algorithms.memory:of_replay",
     ),
     "sac": Algorithm(
         name="sac",
@@ -78,6 +89,7 @@ OWN = {
         config="algorithms.sac_config:SACConfig",
         uses_weights=False,
         needs_reward_gradient=False,
+        memory="algorithms.memory:of_replay",
     ),
     "hybrid-sac": Algorithm(
         name="hybrid-sac",
@@ -86,6 +98,7 @@ OWN = {
         config="algorithms.sac_config:SACConfig",
         uses_weights=True,
         needs_reward_gradient=False,
+        memory="algorithms.memory:of_replay",
     ),
     "gd": Algorithm(
         name="gd",
@@ -94,6 +107,7 @@ OWN = {
         config="algorithms.gd_config:GDConfig",
         uses_weights=False,
         needs_reward_gradient=True,
+        memory="algorithms.memory:of_episodes",
     ),
     "mpc": Algorithm(
         name="mpc",
@@ -102,6 +116,7 @@ OWN = {
         config="algorithms.mpc_config:MPCConfig",
         uses_weights=False,
         needs_reward_gradient=True,
+        memory="algorithms.memory:of_plan",
     ),
 }
 

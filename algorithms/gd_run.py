@@ -8,6 +8,7 @@ from algorithms.gd_config import GDConfig
 from algorithms.history import History
 from algorithms.layer import Array
 from algorithms.measurement import Measurement
+from algorithms.memory import episode_bytes
 from algorithms.network import Shape
 from algorithms.optimizer import Learned, adam, corrected, learned
 from algorithms.policy import Policy, deterministic
@@ -100,10 +101,8 @@ class GDRun:
 
     @property
     def nbytes(self) -> int:
-        """Memory of one update's episodes, as they come and stacked, and of the network's pass."""
-        n, m = self._environment.state_size, self._environment.action_size
-        one_step = 16 * (n * (n + 2 * m + 2) + 2 * self._shape.inputs) + 40 * self._shape.hidden
-        return one_step * self._environment.horizon * self._config.episodes
+        """Memory of one update's episodes."""
+        return episode_bytes(self._environment, self._config)
 
     def state(self) -> State:
         """All that its next bits depend on."""

@@ -6,9 +6,13 @@ for learners that match gradients, both with respect to z = (seen coordinates of
     dr [C + m]        the total derivative of the reward,  dr/dz + dr/ds' ds'/dz
     J  [F, C + m]     d features(s') / dz, the Jacobian already multiplied by the features' slopes
 
-Keeping the Jacobian costs `4 (F + 1)(C + m)` bytes a transition (1.1 kB on the cheetah), working it
-out again from the state would cost 64 simulator steps an update. A checkpoint is another matter: it
-keeps states and actions alone (the journal), from which everything here is worked out again once.
+Keeping them costs `4 (F + 1)(C + m)` bytes a transition: 1,020 of 1,268 on the cheetah, 48 of 100
+on the pendulum. Working them out again from the states would cost 64 simulator steps an update:
+0.92 ms on the cheetah, whose update takes 0.22 ms, and 0.012 ms on the pendulum (0.17 ms). So they
+are kept, and memory is bounded by how many runs a worker takes at once (`algorithms.memory`).
+
+A checkpoint is another matter: it keeps states and actions alone (the journal), from which
+everything here is worked out again once.
 
 Glossary: `N` capacity, `F` features, `C` seen coordinates, `m` actions, `n` state size, `B` rows.
 """

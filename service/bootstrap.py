@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 
 from fastapi import FastAPI
 
@@ -11,6 +12,7 @@ from service.data_dir import owned
 from service.dispatch import Dispatcher
 from service.settings import Settings
 from service.store.store import Store
+from service.worker_memory import runs_at_once
 from workers.pool_process import PoolProcess, PoolSettings
 
 
@@ -31,7 +33,11 @@ def wired(settings: Settings) -> Iterator[FastAPI]:
                     settings.checkpoints,
                 )
             )
-            dispatcher = Dispatcher(store, pool)
+            dispatcher = Dispatcher(
+                store,
+                pool,
+                limit_of=partial(runs_at_once, worker_memory=settings.run_memory),
+            )
             app = create_app(settings, store, dispatcher)
             removal = CheckpointRemoval(store, settings.checkpoints)
             dispatcher.start()

@@ -1,11 +1,20 @@
 """A claim: one worker's right to train a cohort for as long as it keeps the lease."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from workers.assignment import Assignment
-from workers.run_spec import RunSpec
+from workers.run_spec import COHORT_LIMIT, Cell, RunSpec
+
+CellLimit = Callable[[Cell], int]
+"""How many runs of a cell one worker may have at once."""
+
+
+def no_limit(cell: Cell) -> int:
+    """As many as a cohort ever has."""
+    del cell
+    return COHORT_LIMIT
 
 
 @dataclass(frozen=True)

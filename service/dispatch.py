@@ -14,6 +14,7 @@ from collections.abc import Callable
 
 import structlog
 
+from service.claim import CellLimit, no_limit
 from service.metrics import DISPATCH_SECONDS
 from service.scheduler import DispatchTimes, State, step
 from service.scheduler_messages import (
@@ -53,10 +54,12 @@ class Dispatcher:
         pool: Pool,
         times: DispatchTimes | None = None,
         clock: Callable[[], float] = time.monotonic,
+        limit_of: CellLimit = no_limit,
     ) -> None:
-        """Begin nothing yet; the clock is for tests."""
+        """Begin nothing yet; the clock is for tests. A cohort is within its cell's limit."""
         self._store = store
         self._pool = pool
+        self._limit_of = limit_of
         self._times = times or DispatchTimes()
         self._clock = clock
         self._state = State()
@@ -171,7 +174,8 @@ class Dispatcher:
             case AskWaiting():
                 return self._count_waiting()
             case ClaimCohort(worker, lease_seconds, limit):
-                return Claimed(worker, self._store.claim_cohort(worker, lease_seconds, limit))
+                found = self._store.claim_cohort(worker, lease_seconds, limit, self._limit_of)
+                return Claimed(worker, found)
             case Train(worker, work):
                 self._pool.train(worker, work)
             case Drop(worker, seeds):

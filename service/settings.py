@@ -5,8 +5,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Self
 
-from pydantic import Field, SecretStr, field_validator, model_validator
+from pydantic import ByteSize, Field, SecretStr, field_validator, model_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
+
+from service.worker_memory import LEAST_BYTES, usual_worker_memory
 
 LOOPBACK_HOSTS = frozenset({"127.0.0.1", "localhost", "[::1]"})
 WILDCARD_ADDRESSES = frozenset({"0.0.0.0", "::"})  # noqa: S104 - recognised, not bound
@@ -22,6 +24,7 @@ class Settings(BaseSettings):
     database_url  SQLAlchemy URL; empty: SQLite in the data directory
     ray_address   a Ray cluster to join; empty: a local one of the service's own
     workers       local worker slots; default: the cores this process may use
+    worker_memory what the runs of one worker may fill ("6GB"); default: a share of the machine's
     token         access token; empty: the data directory's token file
     allow_host    host names, besides loopback, under which browsers may reach the service
     """
@@ -36,6 +39,7 @@ class Settings(BaseSettings):
     database_url: str = ""
     ray_address: str = ""
     workers: int = Field(default_factory=lambda: len(os.sched_getaffinity(0)), ge=1, le=4096)
+    worker_memory: ByteSize | None = Field(default=None, ge=LEAST_BYTES)
     token: SecretStr | None = None
     allow_host: Annotated[tuple[str, ...], NoDecode] = ()
 
@@ -80,6 +84,11 @@ class Settings(BaseSettings):
     def store_url(self) -> str:
         """The database: `database_url`, else SQLite in the data directory."""
         return self.database_url or f"sqlite:///{(self.data_dir / 'd3pg.sqlite').resolve()}"
+
+    @property
+    def run_memory(self) -> int:
+        """Bytes that the runs of one worker may fill together."""
+        return self.worker_memory or usual_worker_memory(self.workers)
 
     @property
     def checkpoints(self) -> Path:

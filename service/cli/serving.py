@@ -16,6 +16,7 @@ SERVE_FLAGS = {
     "database_url": "D3PG_DATABASE_URL",
     "ray_address": "D3PG_RAY_ADDRESS",
     "workers": "D3PG_WORKERS",
+    "worker_memory": "D3PG_WORKER_MEMORY",
     "token": "D3PG_TOKEN",
     "allow_host": "D3PG_ALLOW_HOST",
 }
@@ -28,6 +29,9 @@ def serve(
     database_url: Annotated[str | None, typer.Option(help="Another database.")] = None,
     ray_address: Annotated[str | None, typer.Option(help="A Ray cluster to join.")] = None,
     workers: Annotated[int | None, typer.Option(help="Local worker slots; the cores.")] = None,
+    worker_memory: Annotated[
+        str | None, typer.Option(help="What the runs of one may fill, such as 6GB.")
+    ] = None,
     token: Annotated[str | None, typer.Option(help="Instead of the token file's.")] = None,
     allow_host: Annotated[str | None, typer.Option(help="Host names to answer to.")] = None,
 ) -> None:

@@ -48,6 +48,11 @@ def _checkpoints(request: Request) -> Path:
     return checkpoints
 
 
+def _worker_memory(request: Request) -> int:
+    worker_memory: int = request.app.state.worker_memory
+    return worker_memory
+
+
 def _side(request: Request) -> Side:
     side: Side = request.app.state.side
     return side
@@ -57,6 +62,7 @@ TheCheckpoints = Annotated[Path, Depends(_checkpoints)]
 TheSide = Annotated[Side, Depends(_side)]
 TheStore = Annotated[Store, Depends(_store)]
 TheEventFeed = Annotated[EventFeed, Depends(_event_feed)]
+TheWorkerMemory = Annotated[int, Depends(_worker_memory)]
 TheDispatcher = Annotated[Dispatcher, Depends(_dispatcher)]
 
 

@@ -8,7 +8,7 @@ from fastapi.responses import JSONResponse
 
 from service.cost import cell_costs
 from service.problems import Fault, InvalidRequest
-from service.routes.context import TheDispatcher, TheStore, TheSweep
+from service.routes.context import TheDispatcher, TheStore, TheSweep, TheWorkerMemory
 from service.schemas.page import Page, PageQuery, page_of, read_cursor
 from service.schemas.sweep_answer import DryRunAnswer, SweepAnswer
 from service.schemas.sweep_request import SweepRequest
@@ -39,6 +39,7 @@ def submit_sweep(
     response: Response,
     store: TheStore,
     dispatcher: TheDispatcher,
+    worker_memory: TheWorkerMemory,
     dry_run: Annotated[
         bool, Query(description="Only say what would be queued, and about what it would cost.")
     ] = False,
@@ -49,7 +50,7 @@ def submit_sweep(
     Submitted again under the same `Idempotency-Key`, it is the same sweep, for as long as that is
     kept; the key with another request is refused.
     """
-    planned = plan(request)
+    planned = plan(request, worker_memory)
     if dry_run:
         past = store.past_costs(planned.algorithms, planned.environment_versions)
         costs = cell_costs(planned.cells, len(planned.seeds), past)

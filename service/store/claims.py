@@ -18,7 +18,7 @@ from sqlalchemy import (
     update,
 )
 
-from service.claim import Claim, ClaimedRun
+from service.claim import CellLimit, Claim, ClaimedRun
 from service.run import RunStatus
 from service.store import events
 from service.store.column_types import now
@@ -32,8 +32,10 @@ ALONE_AFTER = 2
 """A run that lost this many workers in a row trains alone, so as to take no neighbour with it."""
 
 
-def claim(connection: Connection, worker: str, lease_seconds: float, limit: int) -> Claim | None:
-    """Claim up to `limit` queued runs of one cell, or None when nothing waits.
+def claim(
+    connection: Connection, worker: str, lease_seconds: float, limit: CellLimit
+) -> Claim | None:
+    """Claim queued runs of one cell, as many as are its limit, or None when nothing waits.
 
     The sweep: highest priority, then fewest running runs, then longest not served, then oldest.
     In it: the first waiting run, and others of its cell that were left at the same timestep, for
@@ -101,13 +103,10 @@ def claim(connection: Connection, worker: str, lease_seconds: float, limit: int)
     )
 
 
-def _cohort(connection: Connection, sweep_number: int, limit: int) -> list[int]:
+def _cohort(connection: Connection, sweep_number: int, limit: CellLimit) -> list[int]:
     of_sweep = runs.c.sweep_number == sweep_number
     first = connection.execute(
-        select(runs.c.number, runs.c.cell, runs.c.losses, runs.c.checkpoint_timestep)
-        .where(of_sweep, is_waiting)
-        .order_by(runs.c.ordinal)
-        .limit(1)
+        select(runs).where(of_sweep, is_waiting).order_by(runs.c.ordinal).limit(1)
     ).one()
     if first.losses >= ALONE_AFTER:
         return [first.number]
@@ -121,7 +120,7 @@ def _cohort(connection: Connection, sweep_number: int, limit: int) -> list[int]:
             runs.c.checkpoint_timestep == first.checkpoint_timestep,
         )
         .order_by(runs.c.ordinal)
-        .limit(limit)
+        .limit(limit(spec_of(first).cell))
     )
     return list(connection.scalars(query))
 

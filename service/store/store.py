@@ -16,7 +16,7 @@ from typing import Any, Self
 from sqlalchemy import Connection, Engine, text
 
 from algorithms.measurement import Measurement
-from service.claim import Claim
+from service.claim import CellLimit, Claim, no_limit
 from service.cost import PastCost
 from service.event import Event
 from service.metrics import MEASUREMENTS
@@ -182,11 +182,20 @@ class Store:
     # ---- the queue
 
     def claim_cohort(
-        self, worker: str, lease_seconds: float, limit: int = COHORT_LIMIT
+        self,
+        worker: str,
+        lease_seconds: float,
+        limit: int = COHORT_LIMIT,
+        limit_of: CellLimit = no_limit,
     ) -> Claim | None:
-        """Claim up to `limit` queued runs of one cell, or None when nothing waits."""
+        """Claim up to `limit` queued runs of one cell, or None when nothing waits.
+
+        And no more than the cell's own limit.
+        """
         return self._writer.write(
-            lambda c: claims.claim(c, worker, lease_seconds, min(limit, COHORT_LIMIT))
+            lambda c: claims.claim(
+                c, worker, lease_seconds, lambda cell: min(limit, limit_of(cell), COHORT_LIMIT)
+            )
         )
 
     def waiting_runs(self) -> int:

@@ -9,6 +9,7 @@ from service.environment import environment_facts
 from service.problems import InvalidRequest
 from service.schemas.sweep_request import AlgorithmRequest, SweepRequest, Weights
 from service.submission.check import cap_faults, name_faults, product_faults
+from service.submission.memory import memory_faults
 from workers.run_spec import RunSpec
 
 
@@ -49,24 +50,27 @@ class Plan:
         return [replace(cell, seed=seed) for cell in self.cells for seed in self.seeds]
 
 
-def plan(request: SweepRequest) -> Plan:
+def plan(request: SweepRequest, worker_memory: int) -> Plan:
     """Return the plan of a sweep.
 
     Raises InvalidRequest with everything that is wrong: first for a product above the cap, which
-    is counted and not expanded, then for names, then for what each cell asks.
+    is counted and not expanded, then for names, then for what each cell asks, then for runs that
+    would fill more than the worker's memory.
     """
     for faults_of in (cap_faults, name_faults, product_faults):
         if faults := faults_of(request):
             raise InvalidRequest(faults)
     seeds = range(request.seeds) if isinstance(request.seeds, int) else tuple(request.seeds)
     cells = [
-        cell
+        (f"algorithms[{i}]", cell)
         for environment in request.environments
-        for algorithm in request.algorithms
+        for i, algorithm in enumerate(request.algorithms)
         if algorithm.runs_in(environment)
         for cell in _cells(algorithm, environment, request, seeds[0])
     ]
-    return Plan(tuple(cells), seeds)
+    if faults := list(memory_faults(cells, worker_memory)):
+        raise InvalidRequest(faults)
+    return Plan(tuple(cell for _, cell in cells), seeds)
 
 
 def _cells(

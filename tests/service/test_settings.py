@@ -6,6 +6,7 @@ import pytest
 from pydantic import ValidationError
 
 from service.settings import Settings
+from service.worker_memory import usual_worker_memory
 
 
 def test_defaults_bind_loopback(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -32,6 +33,15 @@ def test_environment_variables(monkeypatch: pytest.MonkeyPatch) -> None:
     assert settings.url == "http://127.0.0.1:8080"
 
 
+def test_worker_memory_is_by_default_a_share_of_the_machines(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert Settings(workers=3).run_memory == usual_worker_memory(3)
+    assert Settings(workers=4096).run_memory < Settings(workers=3).run_memory
+    monkeypatch.setenv("D3PG_WORKER_MEMORY", "6GB")
+    assert Settings().run_memory == 6 * 10**9
+
+
 def test_a_bound_address_is_an_allowed_host() -> None:
     settings = Settings(host="10.0.0.7", allow_host=("lab.example",))
     assert "10.0.0.7" in settings.allowed_hosts
@@ -46,6 +56,8 @@ def test_a_bound_address_is_an_allowed_host() -> None:
         ("D3PG_TOKEN", "short", "16 characters"),
         ("D3PG_PORT", "70000", "65535"),
         ("D3PG_WORKERS", "0", "greater than or equal to 1"),
+        ("D3PG_WORKER_MEMORY", "10kB", "greater than or equal to 1048576"),
+        ("D3PG_WORKER_MEMORY", "much", "byte"),
     ],
 )
 def test_refusals_say_what_to_do(

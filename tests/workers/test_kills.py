@@ -4,7 +4,6 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable
 
 import pytest
 
@@ -19,9 +18,7 @@ USUAL = 4_800
 @pytest.mark.slow
 @pytest.mark.timeout(1800)
 @pytest.mark.parametrize("algorithm", catalogue.OWN)
-def test_killed_twice_it_ends_with_the_same_bits(
-    algorithm: str, record_property: Callable[[str, object], None]
-) -> None:
+def test_killed_twice_it_ends_with_the_same_bits(algorithm: str) -> None:
     timesteps = TIMESTEPS.get(algorithm, USUAL)
     told = subprocess.run(
         [
@@ -34,7 +31,6 @@ def test_killed_twice_it_ends_with_the_same_bits(
         check=True,
     )
     found = json.loads(told.stdout.strip().splitlines()[-1])
-    record_property("found", found)
     assert found["killed"] == TRIALS, "too many had ended before they could be killed"
     assert found["equal"] == TRIALS
     assert found["resumed"] >= 0.9 * TRIALS, "too many were killed before their first checkpoint"

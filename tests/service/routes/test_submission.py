@@ -4,6 +4,7 @@ import json
 from typing import Any
 
 import pytest
+from fastapi import FastAPI
 from starlette.testclient import TestClient
 
 from service.schemas.sweep_request import MAX_NAME, MAX_RUNS, MAX_SEED, MAX_TIMESTEPS
@@ -204,3 +205,31 @@ def test_several_faults_are_told_at_once(idle_client: TestClient) -> None:
 
 def test_very_many_faults_are_cut(idle_client: TestClient) -> None:
     assert len(refusals(idle_client, {**SWEEP, **{f"x{i}": 1 for i in range(1000)}})) == 100
+
+
+def test_a_run_that_fits_no_worker_is_refused_with_the_timesteps_that_would(
+    app: FastAPI, client: TestClient
+) -> None:
+    app.state.worker_memory = 50 * 10**6
+    body = algorithm(weights={"w1": 0.1}) | {"environments": ["HalfCheetah"]}
+    [refusal] = refusals(client, body | {"timesteps": 40_000}).values()
+    assert refusal["field"] == "timesteps"
+    assert refusal["message"] == (
+        "a run of hybrid-ddpg on HalfCheetah comes to fill 50.7 MB with algorithms[0], and the "
+        "runs of a worker may fill 50.0 MB (D3PG_WORKER_MEMORY): ask for at most 39,432 timesteps, "
+        "or set its replay_size to no more"
+    )
+    most = refusal["limit"]
+    dry = "/api/v1/sweeps?dry_run=true"
+    assert client.post(dry, json=body | {"timesteps": most + 1}).status_code == 422
+    assert client.post(dry, json=body | {"timesteps": most}).status_code == 200
+    small = algorithm(weights={"w1": 0.1}, config={"replay_size": most})
+    small |= {"environments": ["HalfCheetah"], "timesteps": 10**6}
+    assert client.post(dry, json=small).status_code == 200
+
+
+def test_a_plan_that_fits_no_worker_is_refused(app: FastAPI, client: TestClient) -> None:
+    app.state.worker_memory = 10**6
+    body = changed(algorithms=[{"name": "mpc"}], environments=["HalfCheetah"])
+    [refusal] = refusals(client, body).values()
+    assert (refusal["field"], refusal["limit"]) == ("algorithms[0]", 10**6)

@@ -57,6 +57,20 @@ def test_a_cohort_has_at_most_sixteen_runs(store: Store, submit: Submit) -> None
     assert [len(claim_of(store, 99).runs), len(claim_of(store).runs)] == [16, 4]
 
 
+def test_a_cohort_is_within_its_cells_limit(store: Store, submit: Submit) -> None:
+    submit(seeds=5, environments=("Pendulum", "MassPoint"))
+    limits = {"Pendulum": 2, "MassPoint": 4}
+    sizes: list[tuple[str, int]] = []
+    while claim := store.claim_cohort(
+        "worker-1", LEASE, limit_of=lambda cell: limits[cell.environment]
+    ):
+        sizes.append((claim.runs[0].spec.environment, len(claim.runs)))
+    assert sizes == [
+        *(("Pendulum", 2), ("Pendulum", 2), ("Pendulum", 1)),
+        *(("MassPoint", 4), ("MassPoint", 1)),
+    ]
+
+
 def test_higher_priority_goes_first(store: Store, submit: Submit) -> None:
     submit(seeds=2, priority=0)
     urgent = submit(seeds=2, priority=1)

@@ -1,0 +1,32 @@
+"""Memory: what is worked out beforehand is what the learner has."""
+
+from typing import Any
+
+import pytest
+
+from algorithms import catalogue, memory
+from algorithms.training import build
+
+SETTINGS: dict[str, list[dict[str, Any]]] = {
+    "gd": [{}, {"episodes": 3, "hidden_units": 16}],
+    "mpc": [{}, {"horizon": 20}],
+}
+
+
+@pytest.mark.parametrize("environment", ["Pendulum", "HalfCheetah"])
+@pytest.mark.parametrize("algorithm", catalogue.OWN)
+def test_what_is_worked_out_is_what_the_learner_has(algorithm: str, environment: str) -> None:
+    for config in SETTINGS.get(algorithm, [{}, {"replay_size": 700}]):
+        for weights in [(0.0, 0.0), (0.0, 0.1)]:
+            if any(weights) and not catalogue.find(algorithm).uses_weights:
+                continue
+            learner = build(algorithm, environment, [0], weights, 900, config)
+            told = memory.bytes_per_run(algorithm, environment, weights, 900, config)
+            assert told == learner.bytes_per_run > 0
+
+
+def test_an_algorithm_that_does_not_say_counts_as_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    own = catalogue.OWN["ddpg"]
+    silent = catalogue.Algorithm(own.name, own.summary, own.builder, own.config, False, False)
+    monkeypatch.setitem(catalogue.OWN, "ddpg", silent)
+    assert memory.bytes_per_run("ddpg", "Pendulum", (0.0, 0.0), 900, {}) == 0
