@@ -116,9 +116,12 @@ def show_run(run: RunAnswer, attempts: list[AttemptAnswer]) -> None:
     say(f"task       {run.environment} (version {run.environment_version}), seed {run.seed}")
     say(f"timestep   {run.timestep:,} of {run.timesteps:,}")
     for attempt in attempts:
-        say(f"attempt {attempt.attempt}  {attempt.outcome} on {attempt.worker}")
-        if attempt.error:
-            say(attempt.error)
+        taken_up = (
+            f", from timestep {attempt.resumed_timestep:,}" if attempt.resumed_timestep else ""
+        )
+        say(f"attempt {attempt.attempt}  {attempt.outcome} on {attempt.worker}{taken_up}")
+        for sentence in filter(None, (attempt.note, attempt.error)):
+            say(sentence)
     if attempts and attempts[-1].log_tail:
         say("its last lines:")
         for line in attempts[-1].log_tail.splitlines()[-LOG_LINES:]:

@@ -5,6 +5,7 @@ from service.store.store import Store
 from tests.service.cli.conftest import Command, as_json
 from tests.service.conftest import SWEEP, changed
 from tests.service.training import rising, train
+from workers.progress import Progress, Resumption
 
 
 def test_sweeps_are_lines_newest_first(d3pg: Command, service: Client) -> None:
@@ -52,3 +53,18 @@ def test_a_sweep_and_a_run_are_shown(d3pg: Command, service: Client, store: Stor
     assert "timestep   4,000 of 4,000" in shown
     assert "attempt 1  succeeded on worker" in shown
     assert as_json(d3pg("show", run.id, "--json"))["seed"] == 0
+
+
+def test_a_run_tells_where_it_was_taken_up(d3pg: Command, service: Client, store: Store) -> None:
+    run_id = f"{service.submit(SWEEP).id}-0"
+    first = store.claim_cohort("worker-1", 60.0, limit=1)
+    assert first is not None
+    store.release(first, "the service was stopped")
+    second = store.claim_cohort("worker-2", 60.0, limit=1)
+    assert second is not None
+    damaged = "newest checkpoint damaged, resumed from step 2400"
+    taken_up = Resumption(0, 2400, note=damaged)
+    store.record(second, Progress(2400, resumed=(taken_up,), fingerprint={"code": "x"}))
+    shown = d3pg("show", run_id).stdout
+    assert "attempt 1  lost on worker-1\nthe service was stopped\n" in shown
+    assert f"attempt 2  running on worker-2, from timestep 2,400\n{damaged}\n" in shown
