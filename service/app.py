@@ -17,6 +17,7 @@ from service.access_token import access_token
 from service.body_limit import BodyLimit
 from service.event_feed import EventFeed
 from service.logs import AccessLog
+from service.problem_schema import describe_problems
 from service.problems import install_problem_handlers
 from service.routes import (
     catalogue,
@@ -92,6 +93,7 @@ def create_app(settings: Settings, store: Store, dispatcher: Dispatcher) -> Fast
         app.include_router(router)
     documentation.add_documentation(app)
     pages.add_pages(app)
+    describe_problems(app)
     app.add_middleware(BodyLimit)
     app.add_middleware(Guard, settings=settings, token=token)
     app.add_middleware(AccessLog)

@@ -5,7 +5,7 @@ from dataclasses import asdict
 from typing import Any
 
 from fastapi import APIRouter
-from pydantic import BaseModel, Field, TypeAdapter
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
 import physics
 from algorithms import catalogue
@@ -85,6 +85,53 @@ class LimitsAnswer(BaseModel):
 
 class CatalogueAnswer(BaseModel):
     """The catalogue."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "algorithms": [
+                        {
+                            "name": "ddpg",
+                            "summary": "Deterministic policy gradients.",
+                            "uses_weights": False,
+                            "needs_reward_gradient": False,
+                            "config_schema": {"type": "object"},
+                            "presets": {
+                                "Pendulum": {
+                                    "weights": {"w1": 0.0, "w2": 0.0},
+                                    "timesteps": 20_000,
+                                    "config": {},
+                                }
+                            },
+                        }
+                    ],
+                    "environments": [
+                        {
+                            "name": "Pendulum",
+                            "version": 1,
+                            "state_size": 2,
+                            "action_size": 1,
+                            "feature_size": 3,
+                            "horizon": 200,
+                            "max_reward": 0.0,
+                            "reward_is_differentiable": True,
+                            "regimes": ["swing"],
+                            "audit": [],
+                        }
+                    ],
+                    "limits": {
+                        "runs": MAX_RUNS,
+                        "timesteps": MAX_TIMESTEPS,
+                        "seed": MAX_SEED,
+                        "weight": MAX_WEIGHT,
+                        "name_characters": MAX_NAME,
+                        "listed": MAX_LISTED,
+                    },
+                }
+            ]
+        }
+    )
 
     algorithms: list[AlgorithmAnswer]
     environments: list[EnvironmentAnswer]

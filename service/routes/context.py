@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Annotated, Protocol
 
 from fastapi import Depends, Request
+from fastapi import Path as PathParameter
 
 from service.event_feed import EventFeed
 from service.problems import NotFound, printable
@@ -66,14 +67,22 @@ TheWorkerMemory = Annotated[int, Depends(_worker_memory)]
 TheDispatcher = Annotated[Dispatcher, Depends(_dispatcher)]
 
 
-def _sweep(sweep_id: str, store: TheStore) -> Sweep:
+SweepId = Annotated[str, PathParameter(examples=["3f9a0c51b7de"])]
+RunId = Annotated[str, PathParameter(examples=["3f9a0c51b7de-17"])]
+
+
+def _sweep(sweep_id: SweepId, store: TheStore) -> Sweep:
     sweep = store.find_sweep(sweep_id) if may_be_id(sweep_id) else None
     if sweep is None:
         raise NotFound(f"There is no sweep {printable(sweep_id)!r}.")
     return sweep
 
 
-def find_run(run_id: str, store: TheStore) -> Run:
+def _run(run_id: RunId, store: TheStore) -> Run:
+    return find_run(run_id, store)
+
+
+def find_run(run_id: str, store: Store) -> Run:
     """Return the run of that id. Raises NotFound."""
     run = store.find_run(run_id) if may_be_id(run_id) else None
     if run is None:
@@ -87,4 +96,4 @@ def may_be_id(text: str) -> bool:
 
 
 TheSweep = Annotated[Sweep, Depends(_sweep)]
-TheRun = Annotated[Run, Depends(find_run)]
+TheRun = Annotated[Run, Depends(_run)]

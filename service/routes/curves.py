@@ -71,7 +71,16 @@ def get_curves(sweep: TheSweep, query: Annotated[CurveQuery, Query()], store: Th
     return Response(curves_json(sweep.id, comparison, query.seeds), media_type="application/json")
 
 
-@router.get("/metrics")
+@router.get(
+    "/metrics",
+    responses={
+        200: {
+            "content": {
+                "application/json": {"example": ["return_mean", "return_history", "critic_loss"]}
+            }
+        }
+    },
+)
 def get_metrics(sweep: TheSweep, store: TheStore) -> list[str]:
     """List what curves can show: the returns, and the diagnostics that runs have measured."""
     return [*METRIC_TEXT, *store.diagnostic_names(sweep.id)]

@@ -1,7 +1,7 @@
 """Is the process there; can it work."""
 
 from fastapi import APIRouter, Response
-from pydantic import BaseModel
+from pydantic import BaseModel, Field
 from sqlalchemy.exc import SQLAlchemyError
 
 from service.routes.context import TheDispatcher, TheStore
@@ -14,7 +14,7 @@ router = APIRouter(tags=["health"])
 class HealthAnswer(BaseModel):
     """The process answers."""
 
-    status: str = "ok"
+    status: str = Field(default="ok", examples=["ok"])
 
 
 @router.get("/healthz")

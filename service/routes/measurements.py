@@ -16,13 +16,17 @@ from service.schemas.measurements_answer import (
 router = APIRouter(tags=["runs"])
 
 Format = Literal["json", "csv"]
+CSV_EXAMPLE = (
+    "timestep,return_mean,return_history,updates,jacobians,seconds,critic_loss\r\n"
+    "800,-1203.5,-1203.5,400,25600,0.31,0.5\r\n"
+)
 MEDIA_TYPES: dict[Format, str] = {"json": "application/json", "csv": "text/csv"}
 
 
 @router.get(
     "/runs/{run_id}/measurements",
     response_model=MeasurementsAnswer,
-    responses={200: {"content": {"text/csv": {}}}},
+    responses={200: {"content": {"text/csv": {"example": CSV_EXAMPLE}}}},
 )
 def get_measurements(
     run: TheRun,

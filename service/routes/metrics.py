@@ -12,7 +12,7 @@ router = APIRouter(tags=["health"])
 @router.get(
     "/metrics",
     response_class=Response,
-    responses={200: {"content": {"text/plain": {}}}},
+    responses={200: {"content": {"text/plain": {"example": 'd3pg_runs{status="queued"} 16.0\n'}}}},
 )
 def get_metrics_of_service(
     store: TheStore, dispatcher: TheDispatcher, feed: TheEventFeed

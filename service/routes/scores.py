@@ -31,6 +31,16 @@ MEDIA_TYPES: dict[TableForm, str] = {
     "markdown": "text/markdown",
     "latex": "application/x-latex",
 }
+EXAMPLES = {
+    "text/csv": {
+        "example": "environment,label,algorithm,w1,w2,config,timesteps,runs,ended,n,mean,std,low,"
+        "high,is_best\r\nPendulum,ddpg,ddpg,0.0,0.0,{},20000,16,16,16,0.731,0.042,0.709,0.753,True\r\n"
+    },
+    "text/markdown": {
+        "example": "|  | Pendulum |\n| --- | ---: |\n| ddpg | **0.731** ± 0.042 (16) |\n"
+    },
+    "application/x-latex": {"example": r"ddpg & $\mathbf{0.731}$ $\pm$ 0.042 (16) \\"},
+}
 
 
 class TableQuery(BaseModel):
@@ -48,7 +58,7 @@ class TableQuery(BaseModel):
 @router.get(
     "/table",
     response_model=ScoreTableAnswer,
-    responses={200: {"content": {each: {} for each in MEDIA_TYPES.values()}}},
+    responses={200: {"content": EXAMPLES}},
 )
 def get_table(
     sweep: TheSweep, query: Annotated[TableQuery, Query()], request: Request, store: TheStore

@@ -129,6 +129,25 @@ class ListedRunAnswer(RunAnswer):
 class AttemptAnswer(BaseModel):
     """One claim of a run by a worker, and how it ended."""
 
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "attempt": 1,
+                    "worker": "worker-2",
+                    "outcome": "lost",
+                    "error": "its worker was lost",
+                    "log_tail": "",
+                    "started_at": "2026-11-24T09:30:02.020000Z",
+                    "ended_at": "2026-11-24T09:31:40.500000Z",
+                    "fingerprint": {"numpy": "2.4.6"},
+                    "resumed_timestep": 0,
+                    "note": "",
+                }
+            ]
+        }
+    )
+
     attempt: int
     worker: str
     outcome: str = Field(

@@ -72,6 +72,43 @@ class EstimateOfCostAnswer(BaseModel):
 class DryRunAnswer(BaseModel):
     """What a submission would queue, and about what it would cost."""
 
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "runs": {
+                        "total": 16,
+                        "queued": 16,
+                        "paused": 0,
+                        "running": 0,
+                        "succeeded": 0,
+                        "failed": 0,
+                        "diverged": 0,
+                        "cancelled": 0,
+                    },
+                    "timesteps": 320_000,
+                    "cells": [
+                        {
+                            "algorithm": "ddpg",
+                            "environment": "Pendulum",
+                            "weights": {"w1": 0.0, "w2": 0.0},
+                            "config": {},
+                            "timesteps": 20_000,
+                            "seeds": 16,
+                            "cost": {"core_seconds": 118.4, "basis": "same settings", "runs": 48},
+                        }
+                    ],
+                    "estimate": {
+                        "core_seconds": 118.4,
+                        "wall_seconds": 118.4,
+                        "workers": 2,
+                        "explanation": "1 of 1 cells ...",
+                    },
+                }
+            ]
+        }
+    )
+
     runs: RunCountsAnswer
     timesteps: int = Field(description="Environment steps of all runs together.")
     cells: list[PlannedCellAnswer]
