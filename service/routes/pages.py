@@ -12,7 +12,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from fastapi import APIRouter, FastAPI, Request
-from fastapi.responses import HTMLResponse, Response
+from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from fastapi.staticfiles import StaticFiles
 from fastapi.templating import Jinja2Templates
 from starlette.types import Scope
@@ -47,6 +47,12 @@ def add_pages(app: FastAPI) -> None:
 def sweeps_page(request: Request) -> HTMLResponse:
     """Answer the list of sweeps."""
     return page(request, "sweeps")
+
+
+@router.get("/favicon.ico")
+def favicon() -> RedirectResponse:
+    """Answer browsers that ask by themselves, as on the API's own pages."""
+    return RedirectResponse(f"/static/{static_version()}/favicon.svg")
 
 
 @router.get("/sweeps/{sweep_id}")

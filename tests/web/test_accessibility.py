@@ -33,6 +33,15 @@ def test_axe_finds_nothing(signed_in: Page, live: LiveService, scheme: str) -> N
     assert violations(signed_in) == []
     signed_in.get_by_role("button", name="Cancel sweep").click()
     assert violations(signed_in) == []
+    signed_in.goto(f"{live.url}/compare?sweep={sweep.id}&run={sweep.id}-3")
+    expect(signed_in.locator("#legend li")).to_have_count(3)
+    assert violations(signed_in) == []
+    signed_in.goto(f'{live.url}/?new={{"algorithms":[{{"name":"hybrid-ddpg"}}]}}')
+    expect(signed_in.locator("[name=algorithm][value=hybrid-ddpg]")).to_be_checked()
+    assert violations(signed_in) == []
+    signed_in.goto(f"{live.url}/catalogue")
+    expect(signed_in.locator("#environments")).to_contain_text("Acrobot")
+    assert violations(signed_in) == []
 
 
 @pytest.mark.parametrize("width", [1280, 400])

@@ -21,30 +21,33 @@ export class EventStream extends EventTarget {
   }
 
   open() {
-    this.#source = new EventSource(this.#url);
-    this.#source.addEventListener("open", () => {
+    const source = new EventSource(this.#url);
+    this.#source = source;
+    source.addEventListener("open", () => {
       this.#retryAfter = FIRST_RETRY_MILLISECONDS;
       this.dispatchEvent(new Event("live"));
     });
-    this.#source.addEventListener("error", () => this.#lost());
+    source.addEventListener("error", () => this.#lost(source));
     for (const kind of ["sweep", "run", "measurements", "reload"]) {
-      this.#source.addEventListener(kind, ({ data }) => {
+      source.addEventListener(kind, ({ data }) => {
         const detail = { kind, payload: JSON.parse(data) };
         this.dispatchEvent(new CustomEvent("change", { detail }));
       });
     }
   }
 
+  /** End it for good: also an attempt that is still to come. */
   close() {
-    this.#source.close();
+    this.#source?.close();
+    this.#source = null;
   }
 
-  #lost() {
+  #lost(source) {
+    if (source !== this.#source) return;
     this.dispatchEvent(new Event("lost"));
-    if (this.#source.readyState !== EventSource.CLOSED) return;
+    if (source.readyState !== EventSource.CLOSED) return;
     // A refusal (a proxy's 502, say) ends the browser's own attempts: go on with ours.
-    const refused = this.#source;
-    setTimeout(() => refused === this.#source && this.open(), this.#retryAfter);
+    setTimeout(() => source === this.#source && this.open(), this.#retryAfter);
     this.#retryAfter = Math.min(2 * this.#retryAfter, LONGEST_RETRY_MILLISECONDS);
   }
 }

@@ -68,7 +68,9 @@ def test_copies_there_and_back_are_equal(url: str, tmp_path: Path) -> None:
 def test_a_database_in_use_is_neither_copied_nor_upgraded(url: str, tmp_path: Path) -> None:
     with owned(tmp_path):
         assert "another service works in" in run("upgrade", code=1)
-        assert "another service works in" in run("copy", url, "sqlite:///x.sqlite", code=1)
+        assert "another service works in" in run(
+            "copy", url, f"sqlite:///{tmp_path / 'x.sqlite'}", code=1
+        )
         assert "broken" not in run("check")
 
 

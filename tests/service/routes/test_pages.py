@@ -64,6 +64,11 @@ def test_static_files_need_no_token_and_are_kept_for_good(stranger: TestClient) 
     assert "immutable" in answer.headers["cache-control"]
 
 
+def test_browsers_that_ask_for_an_icon_by_themselves_find_it(client: TestClient) -> None:
+    found = client.get(client.get("/favicon.ico").headers["location"])
+    assert found.headers["content-type"] == "image/svg+xml"
+
+
 def test_another_version_s_address_is_not_kept(stranger: TestClient) -> None:
     assert stranger.get("/static/000000000000/sweep.js").headers["cache-control"] == "no-cache"
 
