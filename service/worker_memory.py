@@ -41,7 +41,7 @@ def runs_at_once(cell: Cell, worker_memory: int) -> int:
     """How many runs of a cell a worker takes at once; one that is too large is taken alone."""
     try:
         each = memory_of(cell)
-    except ValueError:  # an algorithm that is no longer installed: its worker will say so
+    except Exception:  # what its package raises, or is missing: its worker will say so
         return COHORT_LIMIT
     return COHORT_LIMIT if each == 0 else max(1, min(COHORT_LIMIT, worker_memory // each))
 
