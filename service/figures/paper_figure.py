@@ -32,10 +32,10 @@ class PaperFigure:
     shows_policies: bool = False
     max_curves: int = MAX_CURVES
 
-    def has_runs(self, algorithms: Collection[str], environments: Collection[str]) -> bool:
-        """Whether a sweep of those has runs of what it is about."""
-        is_there = self.environment in environments or not self.environment
-        return is_there and self.algorithms[0] in algorithms
+    def has_runs(self, environments: Mapping[str, Collection[str]]) -> bool:
+        """Whether there are runs of what it is about, in a sweep of those (by algorithm)."""
+        where = environments.get(self.algorithms[0], ())
+        return self.environment in where if self.environment else bool(where)
 
 
 PAPER: Mapping[Number, PaperFigure] = {

@@ -213,6 +213,9 @@ class SweepAnswer(BaseModel):
 
 def figures_of(request: Mapping[str, Any]) -> list[str]:
     """The numbers of the paper's figures that a sweep has runs for."""
-    algorithms = {algorithm["name"] for algorithm in request.get("algorithms", ())}
-    environments = request.get("environments", ())
-    return [number for number, each in PAPER.items() if each.has_runs(algorithms, environments)]
+    everywhere = request.get("environments", ())
+    environments = {
+        algorithm["name"]: algorithm.get("environments") or everywhere
+        for algorithm in request.get("algorithms", ())
+    }
+    return [number for number, each in PAPER.items() if each.has_runs(environments)]

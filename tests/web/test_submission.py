@@ -26,7 +26,7 @@ def test_a_sweep_is_counted_and_submitted_once(signed_in: Page, live: LiveServic
     form.get_by_label("Weights w1, w2").first.fill("0.1, 0.1; 1, 0")
     form.locator("[name=environment][value=Pendulum]").check()
     form.get_by_label("Seeds").fill("3, 5")
-    form.get_by_label("Timesteps").fill("4000")
+    form.get_by_label("Timesteps of a run").fill("4000")
     expect(form.locator("#estimate")).to_contain_text("6 runs, 24,000 timesteps")
     form.get_by_text("What will run").click()
     expect(form.get_by_role("region", name="Planned runs").locator("tbody tr")).to_have_count(3)
@@ -50,15 +50,25 @@ def test_a_sweep_is_counted_and_submitted_once(signed_in: Page, live: LiveServic
     expect(signed_in.locator("#estimate")).to_contain_text("6 runs")
 
 
-def test_impossible_pairs_cannot_be_chosen(signed_in: Page) -> None:
+def test_who_cannot_learn_somewhere_takes_no_part_there(signed_in: Page, live: LiveService) -> None:
     signed_in.get_by_role("button", name="New sweep").click()
-    acrobot = signed_in.locator("[name=environment][value=Acrobot]")
-    signed_in.locator("[name=algorithm][value=mpc]").check()
-    expect(acrobot).to_be_disabled()
-    expect(signed_in.get_by_text("not with mpc: its reward has no gradient")).to_be_visible()
-    signed_in.locator("[name=algorithm][value=mpc]").uncheck()
-    acrobot.check()
-    expect(signed_in.locator("[name=algorithm][value=gd]")).to_be_disabled()
+    mpc = signed_in.locator("[name=algorithm][value=mpc]")
+    signed_in.locator("[name=environment][value=Acrobot]").check()
+    expect(mpc).to_be_disabled()
+    expect(signed_in.get_by_text("not in Acrobot: its reward has no gradient")).to_have_count(2)
+    signed_in.locator("[name=environment][value=Pendulum]").check()
+    mpc.check()
+    signed_in.locator("[name=algorithm][value=ddpg]").check()
+    signed_in.get_by_label("Share of the timesteps").fill("0.1")
+    expect(signed_in.locator("#estimate")).to_contain_text("12 runs")  # (2 + 1) x 4 seeds
+    signed_in.get_by_role("button", name="Submit").click()
+    signed_in.wait_for_url(f"{live.url}/sweeps/*")
+    (sweep,) = live.store.list_sweeps()
+    assert sweep.request["scale"] == 0.1
+    assert sweep.request["algorithms"][1] == {"name": "mpc", "environments": ["Pendulum"]}
+    signed_in.get_by_role("link", name="Submit another like it").click()
+    expect(signed_in.get_by_label("Share of the timesteps")).to_have_value("0.1")
+    expect(signed_in.locator("#estimate")).to_contain_text("12 runs")
 
 
 def test_errors_stand_beside_their_fields(

@@ -40,14 +40,14 @@ export async function comparedRun(id, question, signal) {
 }
 
 function sweepSettings({ request, priority }) {
-  const { algorithms, environments, seeds, timesteps } = request;
+  const { algorithms, environments, seeds, timesteps, scale } = request;
   const learners = Object.fromEntries(
-    algorithms.map(({ name, weights, config }, i) => {
+    algorithms.map(({ name, weights, config, environments: only }, i) => {
       const isAlone = algorithms.filter((other) => other.name === name).length === 1;
-      return [isAlone ? name : `${name} (${i + 1})`, { weights: weightsText(weights), ...config }];
+      return [isAlone ? name : `${name} (${i + 1})`, { weights: weightsText(weights), ...(only ? { only } : {}), ...config }];
     }),
   );
-  return { environments, seeds, timesteps: timesteps ?? "preset", priority, ...learners };
+  return { environments, seeds, timesteps: timesteps ?? "preset", scale: scale ?? 1, priority, ...learners };
 }
 
 function weightsText(weights) {

@@ -12,6 +12,7 @@ export class LearnerFields {
   #details;
   #weights;
   #settings;
+  #only = null; // the environments that a draft keeps it to, null for all
 
   constructor(algorithm) {
     this.algorithm = algorithm;
@@ -46,14 +47,21 @@ export class LearnerFields {
     return this.#box.checked;
   }
 
-  /** Say why it cannot be chosen; "" where it can. */
-  forbid(reason) {
-    this.#box.disabled = reason !== "" && !this.isChosen;
-    this.#reason.textContent = reason;
+  /** Say which of the chosen environments it takes no part in; without any it cannot be chosen. */
+  limit(chosen) {
+    const lacking = chosen.filter((each) => !(each in this.algorithm.presets));
+    const left = chosen.filter((each) => this.#only !== null && !this.#only.includes(each));
+    this.#box.disabled = !this.isChosen && chosen.length > 0 && this.#able(chosen).length === 0;
+    this.#reason.textContent = [
+      lacking.length > 0 ? `not in ${lacking.join(", ")}: its reward has no gradient` : "",
+      this.isChosen && left.length > 0 ? `not in ${left.join(", ")}: as in the sweep before` : "",
+    ]
+      .filter(Boolean)
+      .join("; ");
   }
 
-  /** What `POST /sweeps` takes of it. */
-  request() {
+  /** What `POST /sweeps` takes of it, with these environments. */
+  request(chosen) {
     const weights = this.algorithm.uses_weights ? readWeights(this.#weights.input.value) : null;
     const config = Object.fromEntries(
       this.#settings
@@ -64,12 +72,20 @@ export class LearnerFields {
       name: this.algorithm.name,
       ...(weights === null ? {} : { weights }),
       ...(Object.keys(config).length > 0 ? { config } : {}),
+      ...(this.#able(chosen).length < chosen.length ? { environments: this.#able(chosen) } : {}),
     };
+  }
+
+  /** Those of the chosen environments that it can learn in and is not kept from. */
+  #able(chosen) {
+    const isIn = (name) => this.#only === null || this.#only.includes(name);
+    return chosen.filter((name) => name in this.algorithm.presets && isIn(name));
   }
 
   /** Show such a request; undefined: not chosen. */
   fill(request) {
     this.#box.checked = request !== undefined;
+    this.#only = request?.environments ?? null;
     this.#weights.input.value = writeWeights(request?.weights);
     for (const { input, setting } of this.#settings) {
       const value = request?.config?.[setting.name];

@@ -51,62 +51,60 @@ export class Submission {
   async #build() {
     const { algorithms, environments } = await get("/catalogue");
     this.#learners = algorithms.map((algorithm) => new LearnerFields(algorithm));
-    this.#environments = environments.map(environmentBox);
+    this.#environments = environments.map(({ name }) =>
+      element("input", { type: "checkbox", name: "environment", value: name }),
+    );
     at("submission-algorithms").replaceChildren(...this.#learners.map(({ node }) => node));
-    at("submission-environments").replaceChildren(...this.#environments.map(({ node }) => node));
+    at("submission-environments").replaceChildren(
+      ...this.#environments.map((box) =>
+        element("div", { class: "option" }, element("label", {}, box, box.value)),
+      ),
+    );
   }
 
   #fill(draft) {
-    const { name, seeds, timesteps, priority } = this.#form.elements;
+    const { name, seeds, timesteps, scale, priority } = this.#form.elements;
     name.value = draft.name ?? "";
     seeds.value = [draft.seeds ?? 4].flat().join(", ");
     timesteps.value = draft.timesteps ?? "";
+    scale.value = draft.scale ?? "";
     priority.value = draft.priority ?? "";
     for (const learner of this.#learners) {
       learner.fill(draft.algorithms?.find((each) => each.name === learner.algorithm.name));
     }
-    for (const { box } of this.#environments) {
+    for (const box of this.#environments) {
       box.checked = draft.environments?.includes(box.value) ?? false;
     }
   }
 
   /** What `POST /sweeps` takes. */
   #request() {
-    const { name, seeds, timesteps, priority } = this.#form.elements;
+    const { name, seeds, timesteps, scale, priority } = this.#form.elements;
+    const environments = this.#chosenEnvironments;
     const listed = seeds.value.split(",").map((each) => readSetting(each.trim()));
     const chosen = this.#learners.filter((learner) => learner.isChosen);
     return {
       ...(name.value.trim() ? { name: name.value.trim() } : {}),
-      algorithms: chosen.map((learner) => learner.request()),
-      environments: this.#environments.filter(({ box }) => box.checked).map(({ box }) => box.value),
+      algorithms: chosen.map((learner) => learner.request(environments)),
+      environments,
       seeds: listed.length === 1 ? listed[0] : listed,
       ...(timesteps.value.trim() ? { timesteps: readSetting(timesteps.value.trim()) } : {}),
+      ...(scale.value.trim() ? { scale: readSetting(scale.value.trim()) } : {}),
       ...(priority.value.trim() ? { priority: readSetting(priority.value.trim()) } : {}),
     };
   }
 
+  get #chosenEnvironments() {
+    return this.#environments.filter((box) => box.checked).map((box) => box.value);
+  }
+
   #onInput() {
-    this.#forbidImpossible();
+    for (const learner of this.#learners) learner.limit(this.#chosenEnvironments);
     this.#key = newKey(); // another sweep than the one that may have been sent
     this.#view.set({ new: JSON.stringify(this.#request()) });
     at("submit").disabled = true;
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => this.#ask(), PAUSE_MILLISECONDS);
-  }
-
-  /** Disable what does not go with what is chosen, and say why. */
-  #forbidImpossible() {
-    const chosen = this.#environments.filter(({ box }) => box.checked).map(({ box }) => box.value);
-    const learners = this.#learners.filter((learner) => learner.isChosen);
-    for (const learner of this.#learners) {
-      const lacking = chosen.find((environment) => !(environment in learner.algorithm.presets));
-      learner.forbid(lacking ? `cannot learn in ${lacking}: its reward has no gradient` : "");
-    }
-    for (const { box, reason } of this.#environments) {
-      const unable = learners.find(({ algorithm }) => !(box.value in algorithm.presets));
-      box.disabled = unable !== undefined && !box.checked;
-      setText(reason, unable ? `not with ${unable.algorithm.name}: its reward has no gradient` : "");
-    }
   }
 
   /** Let the service count and estimate, and find what is wrong. */
@@ -158,12 +156,6 @@ export class Submission {
     setText(at("submission-fault"), rest);
     at("submission-fault").hidden = rest === "";
   }
-}
-
-function environmentBox({ name }) {
-  const box = element("input", { type: "checkbox", name: "environment", value: name });
-  const reason = element("span", { class: "hint" });
-  return { box, reason, node: element("div", { class: "option" }, element("label", {}, box, name, reason)) };
 }
 
 /** One per sweep that is meant: sent twice, it makes one. */
