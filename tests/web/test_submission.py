@@ -64,6 +64,9 @@ def test_who_cannot_learn_somewhere_takes_no_part_there(signed_in: Page, live: L
     signed_in.get_by_role("button", name="Submit").click()
     signed_in.wait_for_url(f"{live.url}/sweeps/*")
     (sweep,) = live.store.list_sweeps()
+    expect(signed_in.locator("#summary")).to_contain_text(
+        "2 learners in 2 environments: 3 curves × 4 seeds, 10 % of the timesteps"
+    )
     assert sweep.request["scale"] == 0.1
     assert sweep.request["algorithms"][1] == {"name": "mpc", "environments": ["Pendulum"]}
     signed_in.get_by_role("link", name="Submit another like it").click()

@@ -141,11 +141,16 @@ function draw() {
   const axes = {
     xLabel: comparison.x,
     yLabel: comparison.normalized ? `normalised ${comparison.metric}` : comparison.metric,
-    xMax: comparison.x === "timesteps" ? (head.sweep.request.timesteps ?? null) : null,
+    xMax: comparison.x === "timesteps" ? timestepsOf(head.sweep.request) : null,
   };
   legend.update(known);
   showPanels(comparison.panels.map((panel) => ({ panel, known, axes })));
   setText(at("definition"), comparison.definition);
+}
+
+/** The timesteps of every run, null where presets say them or a share is taken. */
+function timestepsOf({ timesteps, scale = 1 }) {
+  return scale === 1 ? (timesteps ?? null) : null;
 }
 
 function showDownloads() {

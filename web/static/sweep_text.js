@@ -2,23 +2,30 @@
 import { post } from "./api.js";
 import { confirm } from "./confirm.js";
 import { element, keyed, setText } from "./element.js";
-import { ago, count, counted, dateAndTime, remaining } from "./format.js";
+import { ago, count, counted, dateAndTime, percent, remaining } from "./format.js";
 
 const STATUSES = ["running", "queued", "paused", "succeeded", "failed", "diverged", "cancelled"];
 
-/** "2 algorithms × 8 environments × 16 seeds, 20,000 timesteps", out of what was posted. */
+/**
+ * "2 learners × 8 environments × 16 seeds, 20,000 timesteps", out of what was posted; "2 learners in
+ * 8 environments: 15 curves × 16 seeds" where one takes no part somewhere.
+ */
 export function summary({ request }) {
   if (!Array.isArray(request?.algorithms)) return "";
   const weights = ({ weights }) => (Array.isArray(weights) ? weights.length : 1);
   const algorithms = request.algorithms.reduce((sum, each) => sum + weights(each), 0);
   const seeds = Array.isArray(request.seeds) ? request.seeds.length : request.seeds;
-  const product = [
-    counted(algorithms, "learner"),
-    counted(request.environments.length, "environment"),
-    counted(seeds, "seed"),
-  ].join(" × ");
+  const learners = counted(algorithms, "learner");
+  const environments = counted(request.environments.length, "environment");
+  const sum = (total, each) => total + weights(each) * (each.environments ?? request.environments).length;
+  const curves = request.algorithms.reduce(sum, 0);
+  const isWhole = curves === algorithms * request.environments.length;
+  const product = isWhole
+    ? `${learners} × ${environments} × ${counted(seeds, "seed")}`
+    : `${learners} in ${environments}: ${counted(curves, "curve")} × ${counted(seeds, "seed")}`;
+  const share = (request.scale ?? 1) < 1 ? `, ${percent(request.scale)} of the timesteps` : "";
   const steps = request.timesteps ? `, ${count(request.timesteps)} timesteps` : "";
-  return product + steps;
+  return product + steps + share;
 }
 
 /** Whether there is anything left to cancel. */
