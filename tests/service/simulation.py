@@ -2,9 +2,9 @@
 
 The workers are pretended, the clock is a number, the store is real; the seed decides what happens
 in which order. One step is one thing that happens: a worker trains a cycle, a report arrives (late,
-or twice), a command is carried out (or refused, or its answer is lost), somebody cancels, a worker
-crashes or freezes or vanishes, the service is killed or frozen, the cluster goes. After each step
-the promises are checked that the step could have broken.
+or twice), a command is carried out (or refused, or its answer is lost), a user cancels, pauses,
+resumes or retries, a worker crashes or freezes or vanishes, the service is killed or frozen, the
+cluster goes. After each step the promises are checked that the step could have broken.
 """
 
 import random
@@ -12,11 +12,7 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-import pysqlite3.dbapi2
-from sqlalchemy import Connection, Engine, create_engine, event
-from sqlalchemy.pool import StaticPool
-
-from service.run import FINAL, RunStatus
+from service.run import FINAL
 from service.scheduler import DispatchTimes, State, step
 from service.scheduler_messages import (
     AskCancelling,
@@ -40,15 +36,14 @@ from service.scheduler_messages import (
     Train,
     Waiting,
 )
-from service.store.migration import upgrade
-from service.store.refusal import ImpossibleMoveError, NotFoundError
 from service.store.retry import RetryPolicy
 from service.store.store import Store
 from tests.service.fake_pool import CYCLE, FakeWorker
-from tests.service.promises import Model, Promises, sweep_of
+from tests.service.memory_database import in_memory
+from tests.service.promises import Promises
+from tests.service.simulated_users import SimulatedUsers
 from workers.progress import Progress
 from workers.report import Busy, Ended, Failed, Lost, News, Ready, Report
-from workers.run_spec import RunSpec
 
 WORKERS = 3
 TIMESTEPS = 4 * CYCLE
@@ -100,7 +95,7 @@ class Simulation:
     def __init__(self, seed: int) -> None:
         self.random = random.Random(seed)  # noqa: S311
         self.now = 1000.0
-        self.engine = _memory(lambda: self.now)
+        self.engine = in_memory(lambda: self.now)
         self.store = Store(self.engine, self.engine, RETRY)
         self.state = State()
         self.commands: deque[Command] = deque()
@@ -115,6 +110,7 @@ class Simulation:
         self.in_hand: tuple[SimulatedWorker, Report] | None = None
         self.delivered: deque[Report] = deque(maxlen=50)
         self.story: deque[str] = deque(maxlen=40)
+        self.users = SimulatedUsers(self.promises, self.random, RAISING, self.tell)
 
     def close(self) -> None:
         """Let go of the database."""
@@ -127,13 +123,13 @@ class Simulation:
             (self.deliver, 40),
             (self.carry_out, 80),
             (self.tick, 10),
-            (self.submit, 4),
+            (self.users.submit, 4),
             (self.beat, 4),
-            (self.move_run, 2),
-            (self.cancel_sweep, 0.4),
-            (self.pause_sweep, 0.5),
-            (self.resume_sweep, 1),
-            (self.retry_sweep, 0.6),
+            (self.users.move_run, 2),
+            (self.users.cancel_sweep, 0.4),
+            (self.users.pause_sweep, 0.5),
+            (self.users.resume_sweep, 1),
+            (self.users.retry_sweep, 0.6),
             (self.crash, 0.8),
             (self.vanish, 0.3),
             (self.freeze, 0.5),
@@ -158,10 +154,7 @@ class Simulation:
         self.restore_cluster()
         for simulated in self.workers.values():
             simulated.worker.is_frozen = simulated.worker.is_deaf = False
-        for sweep_id in list(self.promises.paused):
-            self.resume_sweep(sweep_id)
-        for name in [name for name, m in self.models.items() if m.status == RunStatus.PAUSED]:
-            self.ask(self.store.resume_run, name)
+        self.users.resume_all()
         deadline = self.now + 400.0
         while any(model.status not in FINAL for model in self.models.values()):
             assert self.now < deadline, f"not done: {self.models}"
@@ -438,83 +431,11 @@ class Simulation:
         was_gone, self.cluster_is_gone = self.cluster_is_gone, False
         return was_gone
 
-    # ---- the clients
-
-    def submit(self) -> bool:
-        """A small sweep; now and then one whose code raises."""
-        if sum(model.status not in FINAL for model in self.models.values()) > 12:
-            return False
-        seeds = list(range(self.random.randint(1, 4)))
-        seeds += [5] if self.random.random() < 0.2 else []
-        specs = [RunSpec("ddpg", "Pendulum", seed, timesteps=TIMESTEPS) for seed in seeds]
-        sweep = self.store.create_sweep(
-            "x", self.random.randint(0, 1), {}, specs, environment_versions={"Pendulum": 1}
-        )
-        for ordinal, seed in enumerate(seeds):
-            self.models[f"{sweep.id}-{ordinal}"] = Model(seed)
-        return True
-
-    def move_run(self) -> bool:
-        """Cancel, pause, resume or retry a run, one that has ended too."""
-        store = self.store
-        move, fitting = self.random.choice(
-            [
-                (store.cancel_run, RunStatus.RUNNING),
-                (store.pause_run, RunStatus.QUEUED),
-                (store.resume_run, RunStatus.PAUSED),
-                (store.retry_run, RunStatus.FAILED),
-            ]
-        )
-        return self.ask(move, self.any_run(fitting), is_retry=move == store.retry_run)
-
-    def cancel_sweep(self) -> bool:
-        """Cancel any sweep: none of its runs begins after that."""
-        sweep_id = sweep_of(self.any_run(RunStatus.RUNNING))
-        is_done = self.ask(self.store.cancel_sweep, sweep_id)
-        self.promises.cancelled |= {sweep_id} if is_done else set()
-        return is_done
-
-    def pause_sweep(self) -> bool:
-        """Pause any sweep: none of its runs begins until it is resumed."""
-        sweep_id = sweep_of(self.any_run(RunStatus.RUNNING))
-        is_done = self.ask(self.store.pause_sweep, sweep_id)
-        self.promises.paused |= {sweep_id} if is_done else set()
-        return is_done
-
-    def resume_sweep(self, sweep_id: str | None = None) -> bool:
-        """Resume any sweep."""
-        sweep_id = sweep_id or sweep_of(self.any_run(RunStatus.PAUSED))
-        is_done = self.ask(self.store.resume_sweep, sweep_id)
-        self.promises.paused -= {sweep_id} if is_done else set()
-        return is_done
-
-    def retry_sweep(self) -> bool:
-        """Have what failed in any sweep tried again."""
-        sweep_id = sweep_of(self.any_run(RunStatus.FAILED))
-        return self.ask(self.store.retry_sweep, sweep_id, is_retry=True)
-
-    def any_run(self, fitting: RunStatus) -> str:
-        """Any run; as often as not one for which what is asked for makes sense."""
-        suited = [name for name, model in self.models.items() if model.status == fitting]
-        names = suited if suited and self.random.random() < 0.5 else list(self.models)
-        return self.random.choice(names) if names else "none-0"
-
     def reap(self) -> bool:
         """Another service on the same database ends what leases have run out."""
         self.tell("another service looks for expired leases")
         with self.promises.touching(self.promises.expired()):
             self.store.lose_expired()
-        return True
-
-    def ask(self, move: Callable[[str], object], name: str, *, is_retry: bool = False) -> bool:
-        """Ask the store for a move as a client would, who is told where it is impossible."""
-        runs = {name} if "-" in name else self.promises.of(name)
-        try:
-            with self.promises.touching(runs, is_retry=is_retry):
-                move(name)
-        except (ImpossibleMoveError, NotFoundError):
-            return False
-        self.tell(f"a client: {move.__name__} {name}")
         return True
 
     # ---- the promises
@@ -530,25 +451,3 @@ class Simulation:
         """What a worker says renews the leases of those of its runs that go on."""
         for name in self.promises.held(record.claim):
             assert self.promises.leases()[name] == self.now + record.claim.lease_seconds
-
-
-def _memory(clock: Callable[[], float]) -> Engine:
-    """A SQLite in memory with this version's tables, whose clock is the simulation's."""
-    engine = create_engine(
-        "sqlite://",
-        module=pysqlite3.dbapi2,
-        poolclass=StaticPool,
-        connect_args={"check_same_thread": False},
-    )
-
-    @event.listens_for(engine, "connect")
-    def prepare(connection: "pysqlite3.dbapi2.Connection", entry: object) -> None:
-        connection.isolation_level = None
-        connection.create_function("unixepoch", -1, lambda *_: clock())
-
-    @event.listens_for(engine, "begin")
-    def start(connection: Connection) -> None:
-        connection.exec_driver_sql("BEGIN")
-
-    upgrade(engine)
-    return engine

@@ -1,0 +1,111 @@
+"""Users of a simulated service: they submit, and change their minds at any moment."""
+
+import random
+from collections.abc import Callable
+
+from service.run import FINAL, RunStatus
+from service.store.refusal import ImpossibleMoveError, NotFoundError
+from tests.service.promises import Model, Promises, sweep_of
+from workers.run_spec import RunSpec
+
+MOST_ACTIVE = 12
+
+
+class SimulatedUsers:
+    """What each of them does may be impossible, and is then refused; returns whether it was done.
+
+    `tell` is told what was.
+    """
+
+    def __init__(
+        self,
+        promises: Promises,
+        draw: random.Random,
+        raising: set[int],
+        tell: Callable[[object], None],
+    ) -> None:
+        self.promises = promises
+        self.store = promises.store
+        self.models = promises.models
+        self.random = draw
+        self.raising = raising
+        self.tell = tell
+
+    def submit(self) -> bool:
+        """A small sweep; now and then one whose code raises."""
+        if sum(model.status not in FINAL for model in self.models.values()) > MOST_ACTIVE:
+            return False
+        seeds = list(range(self.random.randint(1, 4)))
+        seeds += sorted(self.raising) if self.random.random() < 0.2 else []
+        specs = [
+            RunSpec("ddpg", "Pendulum", seed, timesteps=self.promises.timesteps) for seed in seeds
+        ]
+        sweep = self.store.create_sweep(
+            "x", self.random.randint(0, 1), {}, specs, environment_versions={"Pendulum": 1}
+        )
+        for ordinal, seed in enumerate(seeds):
+            self.models[f"{sweep.id}-{ordinal}"] = Model(seed)
+        return True
+
+    def move_run(self) -> bool:
+        """Cancel, pause, resume or retry a run, one that has ended too."""
+        store = self.store
+        move, fitting = self.random.choice(
+            [
+                (store.cancel_run, RunStatus.RUNNING),
+                (store.pause_run, RunStatus.QUEUED),
+                (store.resume_run, RunStatus.PAUSED),
+                (store.retry_run, RunStatus.FAILED),
+            ]
+        )
+        return self.ask(move, self.any_run(fitting), is_retry=move == store.retry_run)
+
+    def cancel_sweep(self) -> bool:
+        """Cancel any sweep: none of its runs begins after that."""
+        sweep_id = sweep_of(self.any_run(RunStatus.RUNNING))
+        is_done = self.ask(self.store.cancel_sweep, sweep_id)
+        self.promises.cancelled |= {sweep_id} if is_done else set()
+        return is_done
+
+    def pause_sweep(self) -> bool:
+        """Pause any sweep: none of its runs begins until it is resumed."""
+        sweep_id = sweep_of(self.any_run(RunStatus.RUNNING))
+        is_done = self.ask(self.store.pause_sweep, sweep_id)
+        self.promises.paused |= {sweep_id} if is_done else set()
+        return is_done
+
+    def resume_sweep(self, sweep_id: str | None = None) -> bool:
+        """Resume any sweep."""
+        sweep_id = sweep_id or sweep_of(self.any_run(RunStatus.PAUSED))
+        is_done = self.ask(self.store.resume_sweep, sweep_id)
+        self.promises.paused -= {sweep_id} if is_done else set()
+        return is_done
+
+    def retry_sweep(self) -> bool:
+        """Have what failed in any sweep tried again."""
+        sweep_id = sweep_of(self.any_run(RunStatus.FAILED))
+        return self.ask(self.store.retry_sweep, sweep_id, is_retry=True)
+
+    def any_run(self, fitting: RunStatus) -> str:
+        """Any run; as often as not one for which what is asked for makes sense."""
+        suited = [name for name, model in self.models.items() if model.status == fitting]
+        names = suited if suited and self.random.random() < 0.5 else list(self.models)
+        return self.random.choice(names) if names else "none-0"
+
+    def resume_all(self) -> None:
+        """Have nothing wait for its user."""
+        for sweep_id in list(self.promises.paused):
+            self.resume_sweep(sweep_id)
+        for name in [name for name, m in self.models.items() if m.status == RunStatus.PAUSED]:
+            self.ask(self.store.resume_run, name)
+
+    def ask(self, move: Callable[[str], object], name: str, *, is_retry: bool = False) -> bool:
+        """Ask the store for a move as a client would, who is told where it is impossible."""
+        runs = {name} if "-" in name else self.promises.of(name)
+        try:
+            with self.promises.touching(runs, is_retry=is_retry):
+                move(name)
+        except (ImpossibleMoveError, NotFoundError):
+            return False
+        self.tell(f"a client: {move.__name__} {name}")
+        return True
