@@ -34,6 +34,7 @@ OBJECT_STORE_BYTES = 80 * 2**20  # nearly Ray's least; progress is small and nev
 UNREAD_LIMIT = 2
 """Progresses that may wait for the driver; then the actor's stream waits."""
 IDLE_CHECK_SECONDS = 5.0
+NODE_CHECK_SECONDS = 2.0
 LONGEST_PAUSE_SECONDS = 30.0
 EXIT_ABANDONED = 75
 JOIN_SECONDS = 20.0
@@ -272,10 +273,30 @@ def drive(
                 logging_level=logging.WARNING,
                 _temp_dir=scratch,
             )
+    threading.Thread(target=_watch_node, name="node watch", daemon=True).start()
     try:
         ActorPool(Outbox(spool), workers, logs, checkpoints).serve(listener)
     finally:
         ray.shutdown()
+
+
+def _watch_node() -> None:
+    """End the process when Ray counts the node that it is on as dead: no worker comes up there."""
+    own = ray.get_runtime_context().get_node_id()
+    while own in _living_nodes():
+        time.sleep(NODE_CHECK_SECONDS)
+    _give_up("Ray's node on this machine is dead: its raylet was killed, or did not answer")
+
+
+def _living_nodes() -> set[str]:
+    nodes: list[dict[str, Any]] = ray.nodes()  # type: ignore[no-untyped-call]
+    return {node["NodeID"] for node in nodes if node["Alive"]}
+
+
+def _give_up(complaint: str) -> None:
+    """End the process with the complaint as its last words."""
+    print(complaint, file=sys.stderr, flush=True)  # noqa: T201
+    os._exit(1)
 
 
 @contextmanager
@@ -284,12 +305,7 @@ def _deadline(seconds: float, complaint: str) -> Iterator[None]:
 
     `ray.init` waits for ever for a cluster that does not answer, and cannot be interrupted.
     """
-
-    def give_up() -> None:
-        print(complaint, file=sys.stderr, flush=True)  # noqa: T201
-        os._exit(1)
-
-    timer = threading.Timer(seconds, give_up)
+    timer = threading.Timer(seconds, _give_up, [complaint])
     timer.daemon = True
     timer.start()
     try:

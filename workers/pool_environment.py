@@ -12,7 +12,8 @@ def pool_environment(ray_address: str, data_dir: Path) -> dict[str, str]:
 
     Ray turns its authentication on by itself in some processes only, and the others then fail, so
     it is set for all of them; the token is the data directory's, or for a cluster to join the one
-    that the variables name. A local Ray binds to loopback alone. One thread a worker: the thread
+    that the variables name. A local Ray binds to loopback alone, and counts a raylet as dead that
+    has not answered for about 20 s (its default: over a minute). One thread a worker: the thread
     count of a library changes the bits, and is read as it loads.
     """
     environment = dict(os.environ)
@@ -28,6 +29,9 @@ def pool_environment(ray_address: str, data_dir: Path) -> dict[str, str]:
     )
     if not ray_address:
         environment["RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER"] = "0"
+        environment["RAY_health_check_period_ms"] = "1000"
+        environment["RAY_health_check_timeout_ms"] = "3000"
+        environment["RAY_health_check_failure_threshold"] = "5"
         for variable in TOKEN_VARIABLES:
             environment.pop(variable, None)
     if not set(TOKEN_VARIABLES) & set(environment):

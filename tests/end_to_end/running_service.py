@@ -6,11 +6,13 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager, suppress
+from functools import cached_property
 from pathlib import Path
 
 from service.client import Client, ServiceError
+from tests.workers.processes import command_line, processes_with, processor_seconds
 
 ROOT = Path(__file__).resolve().parents[2]
 START_SECONDS = 60.0
@@ -35,10 +37,13 @@ class RunningService:
             "NO_COLOR": "1",
         }
         self.process: subprocess.Popen[bytes] | None = None
-        self.clients = ExitStack()
+        self.serving_after = 0.0  # seconds from the last start to the first answer
+        self.work_until_serving = 0.0  # of a processor, in that time
 
     def start(self) -> Client:
         """Start the service and wait until it answers and its cluster is ready."""
+        begun = time.monotonic()
+        self.serving_after = 0.0
         with (self.data_dir / "terminal.txt").open("ab") as terminal:
             self.process = subprocess.Popen(
                 [sys.executable, "-m", "service"],
@@ -51,14 +56,22 @@ class RunningService:
         while time.monotonic() < deadline:
             assert self.process.poll() is None, self.terminal()
             try:
-                token = (self.data_dir / "token").read_text().strip()
-                client = self.clients.enter_context(Client(self.url, token))
-                if client.readiness().status == "ready":
-                    return client
+                status = self.client.readiness().status
             except (OSError, ServiceError):
-                pass
+                time.sleep(0.05)
+                continue
+            if not self.serving_after:
+                self.serving_after = time.monotonic() - begun
+                self.work_until_serving = processor_seconds(self.process.pid)
+            if status == "ready":
+                return self.client
             time.sleep(0.2)
         raise TimeoutError(f"the service did not become ready:\n{self.terminal()}")
+
+    @cached_property
+    def client(self) -> Client:
+        """Talks to the service, whichever process it is; the first one has made the token."""
+        return Client(self.url, (self.data_dir / "token").read_text().strip())
 
     def terminal(self) -> str:
         """Everything the service printed."""
@@ -78,8 +91,11 @@ class RunningService:
 
     def worker_pids(self) -> list[int]:
         """The processes that train."""
-        assert self.process is not None
-        return [pid for pid in descendants(self.process.pid) if is_worker(pid)]
+        return [pid for pid in self.family() if is_worker(pid)]
+
+    def family(self) -> set[int]:
+        """The server and all that it or an earlier one has started, whoever their parents are."""
+        return processes_with(f"D3PG_DATA_DIR={self.data_dir}\0")
 
     def kill(self) -> None:
         """End the server as a power cut would: SIGKILL, and wait for its end."""
@@ -90,7 +106,7 @@ class RunningService:
     def stop(self) -> float:
         """End the service as Ctrl-C would; the seconds it took, None of its processes left."""
         assert self.process is not None
-        family = descendants(self.process.pid)
+        family = self.family()
         begun = time.monotonic()
         self.process.send_signal(signal.SIGINT)
         self.process.wait(STOP_SECONDS)
@@ -103,19 +119,20 @@ class RunningService:
 def running_service(data_dir: Path) -> Iterator[tuple[RunningService, Client]]:
     """A service that is up and ready, ended in any case."""
     service = RunningService(data_dir)
-    family: list[int] = []
     try:
         yield service, service.start()
     finally:
-        service.clients.close()
+        family = service.family()
+        service.client.close()
         if service.process is not None and service.process.poll() is None:
-            family = descendants(service.process.pid)
             service.process.send_signal(signal.SIGINT)
             try:
                 service.process.wait(STOP_SECONDS)
             except subprocess.TimeoutExpired:
-                service.process.kill()
+                kill(family)
                 service.process.wait()
+        else:
+            kill(family)  # which would wait for another service
         wait_for_end(family)
 
 
@@ -126,31 +143,24 @@ def free_port() -> int:
         return int(probe.getsockname()[1])
 
 
-def descendants(pid: int) -> list[int]:
-    """The ids of all processes below this one."""
-    try:
-        children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
-        tasks = Path(f"/proc/{pid}/task").iterdir()
-        children = [c for task in tasks for c in (task / "children").read_text().split()]
-    except OSError:
-        return []
-    return [below for child in children for below in (int(child), *descendants(int(child)))]
-
-
 def is_worker(pid: int) -> bool:
     """Whether a process is a Ray actor that trains."""
-    try:
-        return Path(f"/proc/{pid}/cmdline").read_bytes().startswith(b"ray::Worker")
-    except OSError:
-        return False
+    return " ".join(command_line(pid)).startswith("ray::Worker")
 
 
-def wait_for_end(pids: list[int], seconds: float = 20.0) -> None:
+def kill(pids: Collection[int]) -> None:
+    """End processes by force, those that are still there."""
+    for pid in pids:
+        with suppress(ProcessLookupError):
+            os.kill(pid, signal.SIGKILL)
+
+
+def wait_for_end(pids: Collection[int], seconds: float = 20.0) -> None:
     """Wait until none of these processes runs; fails the test with those that do."""
     deadline = time.monotonic() + seconds
     while left := [pid for pid in pids if is_running(pid)]:
         if time.monotonic() > deadline:
-            names = [Path(f"/proc/{pid}/cmdline").read_text().replace("\0", " ") for pid in left]
+            names = [" ".join(command_line(pid)) for pid in left]
             raise AssertionError(f"still running: {names}")
         time.sleep(0.1)
 

@@ -12,7 +12,8 @@ import pytest
 import algorithms
 from service.client import Client
 from service.schemas.run_answer import RunAnswer
-from tests.end_to_end.running_service import RunningService, running_service
+from tests.end_to_end.running_service import RunningService, running_service, wait_for_end
+from tests.workers.processes import processor_seconds
 
 pytestmark = pytest.mark.cluster
 
@@ -180,3 +181,23 @@ def test_cancel_of_what_is_training(running: tuple[RunningService, Client]) -> N
     ended = client.wait(sweep_id, timeout_seconds=15)
     assert ended.runs.cancelled == 4
     assert all(curve(client, run.id) for run in client.runs(sweep_id))
+
+
+def test_cancel_of_a_worker_that_does_not_listen(running: tuple[RunningService, Client]) -> None:
+    """It is in a kernel for minutes, where it hears no word and handles no signal."""
+    service, client = running
+    slow = {"hidden_units": 512, "batch_size": 1024, "rollout_steps": 800, "cycle_updates": 800}
+    deaf = REQUEST | {"algorithms": [{"name": "ddpg", "config": slow}], "seeds": 1}
+    used = {pid: processor_seconds(pid) for pid in service.worker_pids()}
+
+    def in_its_kernel() -> list[int]:
+        return [pid for pid in used if processor_seconds(pid) > used[pid] + 2.0]
+
+    run_id = f"{client.submit(deaf | {'timesteps': 100_000}).id}-0"
+    wait_until(lambda: bool(in_its_kernel()))
+    worker = in_its_kernel()
+    client.move(run_id, "cancel")
+    asked = time.monotonic()
+    wait_until(lambda: client.run(run_id).status == "cancelled")
+    assert time.monotonic() - asked < 15.0
+    wait_for_end(worker)

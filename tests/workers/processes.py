@@ -1,5 +1,6 @@
 """What /proc says of the processes that a pool has started."""
 
+import os
 from pathlib import Path
 
 LISTENING = "0A"
@@ -20,6 +21,20 @@ def processes_with(value: str) -> set[int]:
         except OSError:
             continue
     return found
+
+
+def command_line(process: int) -> list[str]:
+    """The command and its arguments; empty where the process is no more."""
+    try:
+        return Path(f"/proc/{process}/cmdline").read_text().rstrip("\0").split("\0")
+    except OSError:
+        return []
+
+
+def processor_seconds(process: int) -> float:
+    """What a process has used of a processor."""
+    fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def listening_beyond_loopback(process: int) -> set[str]:
