@@ -48,8 +48,8 @@ def measured(sweep_number: int, run_id: str, first: int, last: int) -> Entry:
 
 def append(connection: Connection, entries: Sequence[Entry]) -> None:
     """Append entries in their order."""
-    if entries:
-        connection.execute(insert(events), list(entries))
+    if entries:  # asked for its rows, the driver takes all of them in one statement
+        connection.execute(insert(events).returning(events.c.id), list(entries))
 
 
 def after(connection: Connection, event_id: int, sweep_id: str | None, limit: int) -> list[Event]:

@@ -12,6 +12,7 @@ from algorithms.measurement import Measurement
 from service.run import RunStatus
 from service.run_curve import RunCurve
 from service.store import diagnostics
+from service.store.copy_in import copy_in
 from service.store.runs import named, run_name, spec_of
 from service.store.tables import measurements, runs, sweeps
 
@@ -74,15 +75,12 @@ def _insert(connection: Connection, fresh: Mapping[tuple[int, int], Measurement]
         )
         for (number, timestep), measurement in fresh.items()
     ]
-    into = f"INSERT INTO measurements ({', '.join(COLUMNS)})"
     if connection.dialect.name == "sqlite":
         marks = ", ".join("?" for _ in COLUMNS)
-        connection.exec_driver_sql(f"{into} VALUES ({marks})", rows)
-    else:  # one statement of whole columns, for a statement a row takes longer
-        kinds = [column.type.compile(connection.dialect) for column in measurements.columns]
-        arrays = ", ".join(f"%s::{kind}[]" for kind in kinds)
-        columns = tuple(list(column) for column in zip(*rows, strict=True))
-        connection.exec_driver_sql(f"{into} SELECT * FROM unnest({arrays})", columns)  # noqa: S608
+        into = f"INSERT INTO measurements ({', '.join(COLUMNS)}) VALUES ({marks})"  # noqa: S608
+        connection.exec_driver_sql(into, rows)
+    else:
+        copy_in(connection, measurements, rows)
 
 
 def _nan_as_null(value: float) -> float | None:
