@@ -32,6 +32,7 @@ from service.schemas.readiness_answer import ReadinessAnswer
 from service.schemas.rollout_answer import RolloutAnswer
 from service.schemas.run_answer import AttemptAnswer, ListedRunAnswer, RunAnswer
 from service.schemas.score_table_answer import ScoreTableAnswer
+from service.schemas.statistics_answer import StatisticsAnswer
 from service.schemas.sweep_answer import DryRunAnswer, SweepAnswer
 from service.schemas.sweep_request import SweepRequest
 
@@ -171,6 +172,10 @@ class Client:
     def table(self, sweep_id: str, **options: Option) -> ScoreTableAnswer:
         """What every algorithm reached in every task; options as in `GET /sweeps/{id}/table`."""
         return self._get(ScoreTableAnswer, f"/sweeps/{sweep_id}/table", **options)
+
+    def statistics(self, sweep_id: str) -> StatisticsAnswer:
+        """What a sweep says of its algorithms over all tasks, with intervals."""
+        return self._get(StatisticsAnswer, f"/sweeps/{sweep_id}/statistics")
 
     def table_text(
         self, sweep_id: str, form: Literal["csv", "markdown", "latex"], **options: Option

@@ -14,7 +14,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from service.cli import db, demo
+from service.cli import db, demo, paper
 from service.cli.doctor import doctor
 from service.cli.exporting import export, plot, table
 from service.cli.following import watch
@@ -24,6 +24,7 @@ from service.cli.rolling import rollout
 from service.cli.serving import serve
 from service.cli.submitting import submit
 from service.cli.terminal import AsJson, console, say
+from service.cli.verifying import verify
 from service.client import ServiceError, find_token
 
 app = typer.Typer(
@@ -33,9 +34,10 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.add_typer(db.app)
+app.add_typer(paper.app)
 COMMANDS = (
     serve, submit, ls, show, watch, cancel, pause, resume, retry, export, table, plot, rollout,
-    doctor,
+    verify, doctor,
 )  # fmt: skip
 for command in COMMANDS:
     app.command()(command)

@@ -33,7 +33,7 @@ TIMESTEPS = {
 }
 """Long enough to tell good settings from bad ones; the evaluation is longer."""
 
-SOFT_TASKS = ("CartPole", "CartPoleSwingUp", "Pendulum", "MountainCar", "RollingDie")
+SOFT_TASKS = ["CartPole", "CartPoleSwingUp", "Pendulum", "MountainCar", "RollingDie"]
 """The five tasks of the paper's figure 6 (appendix A.2)."""
 
 SETTINGS: Mapping[str, Mapping[str, tuple[Any, ...]]] = {
@@ -55,6 +55,7 @@ class Outcome:
 
     area, end  mean over runs of the mean, and of the last tenth, of the normalised return_mean
     runs       how many measured anything
+    sweep      the sweep's id
     """
 
     environment: str
@@ -64,6 +65,7 @@ class Outcome:
     area: float
     end: float
     runs: int
+    sweep: str
 
 
 def settings_sweep(environment: str, algorithm: str) -> dict[str, Any]:
@@ -93,6 +95,12 @@ def weights_sweep(environment: str, baseline: str, config: Mapping[str, Any]) ->
     )
 
 
+def searched_settings(environment: str, algorithm: str) -> list[str]:
+    """The settings that round 1 gave to its runs; the others are the algorithm's defaults."""
+    fixed = FIXED.get(environment, {}) if algorithm == "ddpg" else {}
+    return [*SETTINGS[algorithm], *fixed]
+
+
 def _sweep(name: str, environment: str, algorithms: list[dict[str, Any]]) -> dict[str, Any]:
     return {
         "name": name,
@@ -113,7 +121,8 @@ def outcomes(curves: CurvesAnswer) -> list[Outcome]:
             curve.config,
             _mean(curve.mean),
             _mean(curve.mean[-max(1, len(curve.mean) // 10) :]),
-            min(curve.n, default=0),
+            max(curve.n, default=0),
+            curves.sweep,
         )
         for panel in curves.panels
         for curve in panel.curves

@@ -1,0 +1,140 @@
+"""`d3pg paper`: the paper's evaluation, from its sweeps to its figures, and its tuning."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from service.cli.following import follow
+from service.cli.own_service import data_dir, own_service
+from service.cli.terminal import console, say
+from service.client import Client, ServiceError
+from service.paper import results, tuning
+from service.paper.evaluation import SEEDS, evaluation
+from service.paper.tuning import Outcome
+from service.schemas.sweep_answer import SweepAnswer
+
+app = typer.Typer(name="paper")
+
+Output = Annotated[Path, typer.Option("--output", "-o", help="Folder of the results.")]
+
+
+@app.callback(invoke_without_command=True)
+def run(
+    context: typer.Context,
+    seeds: Annotated[int, typer.Option(min=1, help="Runs of each curve.")] = SEEDS,
+    scale: Annotated[
+        float, typer.Option(min=0.001, max=1, help="Share of the timesteps, for a quick look.")
+    ] = 1.0,
+    output: Output = Path("results"),
+) -> None:
+    """Run the whole evaluation, or go on with it, and write its results.
+
+    Uses the service that answers at D3PG_URL, else starts one in D3PG_DATA_DIR. Interrupted, it
+    goes on from the last checkpoints when it is called again with the same seeds and scale.
+    """
+    if context.invoked_subcommand is not None:
+        return
+    with any_service() as client:
+        sweeps = [submitted(client, request) for request in evaluation(seeds, scale)]
+        codes = [follow(client, sweep.id, console) for sweep in sweeps]
+        write(client, sweeps, output)
+    raise SystemExit(max(codes))
+
+
+@app.command(name="write")
+def write_results(
+    seeds: Annotated[int, typer.Option(min=1, help="Of the evaluation.")] = SEEDS,
+    scale: Annotated[float, typer.Option(min=0.001, max=1, help="Of the evaluation.")] = 1.0,
+    output: Output = Path("results"),
+) -> None:
+    """Write what the evaluation has measured so far, without waiting for its end."""
+    with any_service() as client:
+        write(client, [submitted(client, request) for request in evaluation(seeds, scale)], output)
+
+
+@app.command()
+def tune(output: Output = Path("results")) -> None:
+    """Run the sweeps that choose the presets, or go on with them; writes tuning.csv."""
+    searches = [("ddpg", task) for task in tuning.TIMESTEPS]
+    searches += [("sac", task) for task in tuning.SOFT_TASKS]
+    with any_service() as client, ThreadPoolExecutor(len(searches)) as pool:
+        rows: list[Outcome] = []
+        for found in pool.map(lambda search: searched(client, *search), searches):
+            rows += found
+            write_tuning(output, rows)
+    say(f"Wrote {len(rows)} outcomes to {output / 'tuning.csv'}")
+
+
+@contextmanager
+def any_service() -> Iterator[Client]:
+    """The service that answers already, else one of the command's own."""
+    try:
+        client = Client()
+        client.readiness()
+    except ServiceError:
+        say("Starting a service and a local Ray ...")
+        try:
+            with own_service() as (client, _):
+                yield client
+        except KeyboardInterrupt:
+            say(f"Stopped. Everything measured is kept in {data_dir()}/; call again to go on.")
+            raise
+    else:
+        with client:
+            yield client
+
+
+def submitted(client: Client, request: Mapping[str, Any]) -> SweepAnswer:
+    """The sweep of that request, which is queued once however often this is called."""
+    text = json.dumps(request, sort_keys=True)
+    return client.submit(request, f"paper {hashlib.sha256(text.encode()).hexdigest()[:32]}")
+
+
+def write(client: Client, sweeps: Iterable[SweepAnswer], output: Path) -> None:
+    """Write the results of the sweeps as they now stand, and say what is lacking."""
+    now = [client.sweep(sweep.id) for sweep in sweeps]
+    for sentence in results.write(client, now, output):
+        say(sentence)
+    ended = sum(sweep.runs.succeeded for sweep in now)
+    say(f"Wrote {output}/: {ended} of {sum(sweep.runs.total for sweep in now)} runs have ended.")
+
+
+def searched(client: Client, baseline: str, task: str) -> list[Outcome]:
+    """Both rounds of a search (service.paper.tuning), the second under the first one's best."""
+    settings = outcomes(client, tuning.settings_sweep(task, baseline))
+    config = tuning.best(settings, baseline).config
+    chosen = {name: config[name] for name in tuning.searched_settings(task, baseline)}
+    weights = outcomes(client, tuning.weights_sweep(task, baseline, chosen))
+    return settings + weights
+
+
+def outcomes(client: Client, request: Mapping[str, Any]) -> list[Outcome]:
+    """Submit a sweep of the tuning, wait for it and say what each of its cells reached."""
+    sweep = client.wait(submitted(client, request).id, poll_seconds=5.0)
+    say(f"{sweep.name}: {sweep.runs.succeeded} of {sweep.runs.total} runs succeeded")
+    return tuning.outcomes(client.curves(sweep.id, normalized=True, max_points=1000))
+
+
+def write_tuning(folder: Path, rows: Iterable[Outcome]) -> None:
+    """Write tuning.csv: a line a cell."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / "tuning.csv").open("w", encoding="utf-8", newline="") as output:
+        writer = csv.writer(output, lineterminator="\n")
+        writer.writerow(
+            ("environment", "algorithm", "w1", "w2", "config", "area", "end", "runs", "sweep")
+        )
+        for row in rows:
+            place = (row.environment, row.algorithm, *row.weights)
+            config = json.dumps(asdict(row)["config"], sort_keys=True)
+            reached = (f"{row.area:.4f}", f"{row.end:.4f}", row.runs, row.sweep)
+            writer.writerow((*place, config, *reached))

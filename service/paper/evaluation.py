@@ -1,0 +1,66 @@
+"""The paper's evaluation: two sweeps, each with the figures that it holds.
+
+Settings and timesteps are the presets' (algorithms.presets). Seeds 0 ... n - 1 took no part in
+choosing them (service.paper.tuning).
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+from service.figures.paper_figure import Number
+from service.paper.tuning import SOFT_TASKS
+
+SEEDS = 16
+
+TASKS = [
+    "CartPole",
+    "CartPoleSwingUp",
+    "Pendulum",
+    "MountainCar",
+    "Acrobot",
+    "RollingDie",
+    "HalfCheetah",
+]
+"""Section 5.2, in the order of table 1."""
+
+SMOOTH_TASKS = [task for task in TASKS if task != "Acrobot"]
+"""Acrobot's reward is a constant until the end: gradient descent and MPC have nothing to go by."""
+
+CRITIC: Mapping[str, Any] = {
+    "name": "paper: the critic of the mass point",
+    "algorithms": [
+        {"name": "ddpg"},
+        {
+            "name": "hybrid-ddpg",
+            "weights": [{"w1": 0, "w2": 1}, {"w1": 1, "w2": 0}, {"w1": 1, "w2": 1}],
+        },
+    ],
+    "environments": ["MassPoint"],
+    "timesteps": 75 * 800,
+}
+"""Section 3.3: 75 epochs of 800 timesteps."""
+
+COMPARISON: Mapping[str, Any] = {
+    "name": "paper: all methods in all tasks",
+    "algorithms": [
+        {"name": "ddpg"},
+        {"name": "hybrid-ddpg"},
+        {"name": "gd", "environments": SMOOTH_TASKS},
+        {"name": "mpc", "environments": SMOOTH_TASKS},
+        {"name": "hybrid-ddpg-cosine"},
+        {"name": "sac", "environments": SOFT_TASKS},
+        {"name": "hybrid-sac", "environments": SOFT_TASKS},
+    ],
+    "environments": TASKS,
+}
+"""Sections 5.2 and A.1, A.2. The paper leaves MPC out of CartPole, Pendulum and MountainCar."""
+
+FIGURES: Mapping[str, tuple[Number, ...]] = {
+    CRITIC["name"]: ("2",),
+    COMPARISON["name"]: ("3", "4", "5", "6"),
+}
+
+
+def evaluation(seeds: int = SEEDS, scale: float = 1.0) -> list[dict[str, Any]]:
+    """The sweeps to submit, for so many seeds and that share of the timesteps."""
+    return [{**sweep, "seeds": seeds, "scale": scale} for sweep in (CRITIC, COMPARISON)]
