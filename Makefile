@@ -4,7 +4,8 @@
 #   make test    every check and every test
 #
 # Also: make bench (speed beside peers), make test-slow (learning curves, minutes),
-#       make format, make check (static only), make clean.
+#       make paper (the paper's evaluation: hours, resumable), make format,
+#       make check (static only), make clean.
 
 PYTHON ?= python3
 VENV   := .venv
@@ -14,10 +15,10 @@ PYTEST := $(BIN)/python -m pytest
 SUDO   := $(shell test "$$(id -u)" = 0 || echo sudo)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-slow check postgresql fast cluster browser bench format clean
+.PHONY: help demo paper test test-slow check postgresql fast cluster browser bench format clean
 
 help:
-	@sed -n '3,8s/^# \{0,1\}//p' Makefile
+	@sed -n '3,9s/^# \{0,1\}//p' Makefile
 
 # torch goes first and alone: its CPU build is what everything else must find already there.
 $(VENV)/installed: pyproject.toml hatch_build.py
@@ -43,6 +44,9 @@ $(VENV)/installed-peers: $(VENV)/installed-dev
 
 demo: $(VENV)/installed
 	@$(BIN)/d3pg demo
+
+paper: $(VENV)/installed
+	@$(BIN)/d3pg paper
 
 test: check fast cluster browser
 

@@ -10,6 +10,7 @@ import typer
 from rich.progress import track
 
 import algorithms
+from algorithms.threads import one_thread
 from service.cli.terminal import console, say
 from service.client import Client
 from service.schemas.run_answer import RunAnswer
@@ -59,8 +60,12 @@ def first_mismatch(stored: Curve, again: Curve) -> int | None:
 
 
 def differing_facts(run: RunAnswer) -> list[str]:
-    """The names of what this process does differently from the run's worker."""
+    """The names of what this process does differently from the run's worker.
+
+    Learners use one thread wherever they run; what else the process would use does not matter.
+    """
     if run.fingerprint is None:
         return []
-    here = fingerprint()
+    with one_thread():
+        here = {**fingerprint(), "threads": "1"}
     return [name for name, value in here.items() if run.fingerprint.get(name) != value]

@@ -1,0 +1,107 @@
+"""`d3pg paper`: sweeps that are submitted once, and what they measured as files."""
+
+import csv
+import json
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from service.client import Client
+from service.paper import evaluation, tuning
+from service.store.store import Store
+from tests.service.cli.conftest import Command
+from tests.service.training import RANDOM, random_return, rising, train
+
+QUICK = ("--seeds", "2", "--scale", "0.001")
+
+
+@contextmanager
+def workers(store: Store) -> Iterator[None]:
+    """Whatever is queued is trained at once."""
+    enough = threading.Event()
+
+    def work() -> None:
+        while not enough.wait(0.05):
+            train(store, 2, rising)
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    yield
+    enough.set()
+    thread.join()
+
+
+def rows_of(file: Path) -> list[dict[str, str]]:
+    with file.open(encoding="utf-8", newline="") as lines:
+        return list(csv.DictReader(lines))
+
+
+@pytest.mark.slow
+def test_an_evaluation_is_taken_up_and_written(
+    d3pg: Command,
+    service: Client,
+    store: Store,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    one_task = {
+        **evaluation.COMPARISON,
+        "algorithms": [{"name": "ddpg"}, {"name": "hybrid-ddpg"}, {"name": "mpc"}],
+        "environments": ["Pendulum"],
+    }
+    monkeypatch.setattr(evaluation, "COMPARISON", one_task)
+    store.record_random_return(random_return("Pendulum", RANDOM))
+    begun = d3pg("paper", "write", *QUICK, "-o", str(tmp_path)).stdout
+    assert f"Wrote {tmp_path}/: 0 of 14 runs have ended." in begun.replace("\n", "")
+    with workers(store):
+        ended = d3pg("paper", *QUICK, "-o", str(tmp_path)).stdout
+    assert "14 of 14 runs have ended." in ended
+    assert "figure 6 is not there yet" in ended, "there are no runs for it"
+    assert len(list(service.sweeps())) == 2
+
+    [sweep] = [sweep for sweep in service.sweeps() if "all methods" in sweep.name]
+    [_, run] = service.runs(sweep.id, algorithm="mpc", environment="Pendulum")
+    kept = [
+        row for row in rows_of(tmp_path / "measurements/Pendulum/mpc.csv") if row["seed"] == "1"
+    ]
+    returns = service.measurements(run.id).columns["return_mean"]
+    assert [float(row["return_mean"]) for row in kept] == returns
+    assert (tmp_path / "figure-4.png").read_bytes().startswith(b"\x89PNG")
+    assert "hybrid" in (tmp_path / "table-1.md").read_text()
+
+    gains = {
+        (row["algorithm"], row["cost"]): row
+        for row in rows_of(tmp_path / "gains.csv")
+        if row["environment"] == "Pendulum"
+    }
+    gain = gains["hybrid-ddpg", "timesteps"]
+    assert (gain["n"], gain["wins"]) == ("2", "2"), "the longer name earns more"
+    assert float(gain["mean"]) == pytest.approx(50 * len("hybrid-") / -RANDOM, rel=1e-4)
+
+    provenance = json.loads((tmp_path / "provenance.json").read_text())
+    assert provenance["sweeps"][sweep.name]["runs"]["succeeded"] == 6
+    assert provenance["sweeps"][sweep.name]["core seconds"] > 0
+
+
+def test_tuning_gives_the_hybrids_what_suited_ddpg(
+    d3pg: Command,
+    service: Client,
+    store: Store,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(tuning, "TIMESTEPS", {"Pendulum": 1600})
+    monkeypatch.setattr(tuning, "SOFT_TASKS", ["Pendulum"])
+    store.record_random_return(random_return("Pendulum", RANDOM))
+    with workers(store):
+        d3pg("paper", "tune", "-o", str(tmp_path))
+    rows = rows_of(tmp_path / "tuning.csv")
+    assert len(rows) == 6 + 2 * 15 + 5 + 15
+    settings = next(row for row in rows if row["algorithm"] == "ddpg")
+    weights = next(row for row in rows if row["algorithm"] == "hybrid-ddpg-cosine")
+    assert json.loads(settings["config"]) == json.loads(weights["config"]), "all are equally good"
+    assert settings["runs"] == "4"
+    assert {row["sweep"] for row in rows} == {sweep.id for sweep in service.sweeps()}
