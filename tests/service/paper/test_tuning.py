@@ -7,7 +7,15 @@ from service.paper import tuning
 from service.paper.evaluation import COMPARISON, SEEDS, evaluation
 from service.paper.tuning import Outcome, best
 from service.schemas.sweep_request import SweepRequest
-from service.submission.plan import plan
+from service.submission.plan import Plan
+from service.submission.plan import plan as plan_in
+
+WORKER_MEMORY = 16 * 2**30
+
+
+def plan(request: SweepRequest) -> Plan:
+    """Return the plan of a sweep for workers that have room for each of its runs."""
+    return plan_in(request, WORKER_MEMORY)
 
 
 @pytest.mark.parametrize("environment", tuning.TIMESTEPS)
