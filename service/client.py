@@ -293,10 +293,11 @@ def problem_text(response: httpx2.Response) -> str:
         problem = response.json()
     except ValueError:
         return f"The service answered {response.status_code}: {response.text[:500]}"
-    lines = [str(problem.get("detail") or problem.get("title") or response.status_code)]
-    lines += [
+    faults = [
         f"  {error.get('field') or error.get('pointer') or ''}: {error.get('message', error)}"
         for error in problem.get("errors") or []
         if isinstance(error, dict)
     ]
-    return "\n".join(lines)
+    if len(faults) > 1:  # the detail is the first of them
+        return "\n".join([f"{len(faults)} things are wrong:", *faults])
+    return str(problem.get("detail") or problem.get("title") or response.status_code)

@@ -75,7 +75,8 @@ def _moved(move: Callable[[str], Moved], name: str) -> Moved:
     try:
         return move(name)
     except ImpossibleMoveError as refusal:
-        raise ImpossibleMove(str(refusal)) from refusal
+        text = str(refusal)
+        raise ImpossibleMove(f"{text[0].upper()}{text[1:]}.") from refusal
 
 
 for resource in (sweeps, runs):
