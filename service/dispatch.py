@@ -40,6 +40,7 @@ from service.scheduler_messages import (
     Waiting,
 )
 from service.store.store import Store
+from service.store.trouble import explain
 from workers.pool import Pool, PoolUnavailableError
 
 log = structlog.get_logger(__name__)
@@ -98,7 +99,7 @@ class Dispatcher:
             except Exception as error:  # a full disk, a database that restarts: tried again
                 if not self._store_problem:
                     log.exception("dispatch is held up")
-                self._store_problem = f"the database refuses: {error}"
+                self._store_problem = f"the database refuses: {explain(error)}"
                 self._stopping.wait(1.0)
         self._close()
 

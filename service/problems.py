@@ -26,11 +26,11 @@ from fastapi_problem.error import (
     UnprocessableProblem,
 )
 from fastapi_problem.handler import ExceptionHandler, add_exception_handler, new_exception_handler
-from sqlalchemy.exc import OperationalError
+from sqlalchemy.exc import DBAPIError
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 
-from service.store.outage import is_outage
+from service.store.trouble import AFTERWARDS, Trouble, find_trouble
 
 MEDIA_TYPE = "application/problem+json"
 LIMIT_KEYS = ("ge", "gt", "le", "lt", "min_length", "max_length", "multiple_of", "expected")
@@ -88,20 +88,13 @@ class Busy(StatusProblem):
         super().__init__(detail, headers={"Retry-After": "5"})
 
 
-class DatabaseUnreachable(StatusProblem):
-    """503: the database is away, and was waited for in vain."""
+class DatabaseTrouble(Problem):
+    """503: the database cannot do it now, for a reason that passes."""
 
-    type_ = "database-unreachable"
-    title = "The database cannot be reached."
-    status = 503
-
-    def __init__(self) -> None:
-        """Say what is to be done: nothing but to ask again."""
-        super().__init__(
-            "The service goes on by itself when it is back; nothing that was acknowledged is lost. "
-            "Try again in a few seconds.",
-            headers={"Retry-After": "5"},
-        )
+    def __init__(self, trouble: Trouble) -> None:
+        """Say what is wrong and what is to be done."""
+        detail = f"{trouble} {AFTERWARDS}"
+        super().__init__(trouble.fact, trouble.name, detail, 503, {"Retry-After": "5"})
 
 
 class InternalError(StatusProblem):
@@ -167,16 +160,17 @@ def install_problem_handlers(app: FastAPI) -> None:
     handler = new_exception_handler(
         logger=log,
         unhandled_wrappers={"default": InternalError},
-        handlers={OperationalError: _tell_outage},
+        handlers={DBAPIError: _tell_trouble},
         post_hooks=[_add_request_id],
         request_validation_handler=_refuse_invalid,
     )
     add_exception_handler(app, handler)
-    app.add_exception_handler(OperationalError, handler)
+    app.add_exception_handler(DBAPIError, handler)
 
 
-def _tell_outage(_handler: ExceptionHandler, _request: Request, error: OperationalError) -> Problem:
-    return DatabaseUnreachable() if is_outage(error) else InternalError()
+def _tell_trouble(_handler: ExceptionHandler, _request: Request, error: DBAPIError) -> Problem:
+    trouble = find_trouble(error)
+    return InternalError() if trouble is None else DatabaseTrouble(trouble)
 
 
 def _refuse_invalid(

@@ -7,6 +7,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from service.routes.context import TheDispatcher, TheStore
 from service.schemas.readiness_answer import CheckAnswer, ReadinessAnswer
 from service.store.store import Store
+from service.store.trouble import explain
 
 router = APIRouter(tags=["health"])
 
@@ -42,5 +43,5 @@ def _database_problem(store: Store) -> str | None:
     try:
         store.check()
     except SQLAlchemyError as error:
-        return f"the database does not answer: {error}"
+        return explain(error)
     return None

@@ -72,8 +72,13 @@ class Store:
         self._writer_engine.dispose()
 
     def check(self) -> None:
-        """Read something; raises what the database raises when it cannot."""
+        """Read something, and where the last write failed, write; raises what the database raises.
+
+        Without that, a disk that was full would be so until somebody had to write something.
+        """
         self._reader.read(lambda c: c.execute(text("SELECT 1 FROM runs LIMIT 1")).all())
+        if self._writer.is_failing:
+            self._writer.write(lambda _: None)  # the commit's name is written
 
     # ---- sweeps and runs
 

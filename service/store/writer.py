@@ -35,6 +35,7 @@ class Writer:
         self._engine = engine
         self._units: queue.SimpleQueue[Pending | None] = queue.SimpleQueue()
         self._is_closed = False
+        self.is_failing = False  # whether the latest commit failed
         self._lock = threading.Lock()
         self._thread = threading.Thread(target=self._work, name="store writer", daemon=True)
         self._thread.start()
@@ -78,7 +79,9 @@ class Writer:
         try:
             patience = 0.0 if self._is_closed else PATIENCE_SECONDS
             outlasting(lambda: group.commit(self._engine), patience)
+            self.is_failing = False
         except Exception as error:
+            self.is_failing = True
             if not group.has_run and len(pending) > 1:
                 for alone in pending:
                     self._commit([alone])

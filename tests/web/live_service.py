@@ -82,7 +82,8 @@ class LiveService:
 
     def start(self) -> None:
         """Serve; the port is the same every time."""
-        app = create_app(self.settings, self.store, ReadyDispatcher())
+        self.dispatcher = ReadyDispatcher()
+        app = create_app(self.settings, self.store, self.dispatcher)
         self.trouble = Trouble(app)
         config = uvicorn.Config(self.trouble, port=self.settings.port, log_level="critical")
         self._server = uvicorn.Server(config)

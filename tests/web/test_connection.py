@@ -55,6 +55,18 @@ def test_a_failing_service_is_told_and_asked_again(
     complaints.clear()
 
 
+def test_what_the_service_lacks_is_told_while_it_does(
+    signed_in: Page, live: LiveService, complaints: list[str]
+) -> None:
+    live.dispatcher.problem = "The disk is full. Free some space there."
+    banner = signed_in.locator("#banner")
+    expect(banner).to_have_text("The disk is full. Free some space there.")
+    live.dispatcher.problem = None
+    expect(banner).to_be_hidden()
+    assert all("503" in complaint for complaint in complaints)
+    complaints.clear()
+
+
 def test_a_refused_stream_is_opened_again(
     signed_in: Page, live: LiveService, complaints: list[str]
 ) -> None:

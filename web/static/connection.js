@@ -8,6 +8,7 @@ const CAUGHT_UP_MILLISECONDS = 4000;
 
 let lostAt = null; // since when what is shown may be old; null while it is not
 let trouble = false; // whether the banner shows an error of a fetch
+let lacking = ""; // what the service says it lacks: a disk with space, a cluster
 let hiding = 0;
 
 /** The stream broke: say so at once, and from when the figures on the page are. */
@@ -30,9 +31,9 @@ export function fresh() {
   if (state.dataset.state !== "live") return;
   if (lostAt !== null) {
     say(`Connected again. Everything since ${timeOfDay(lostAt)} is here.`);
-    hiding = setTimeout(() => (banner.hidden = true), CAUGHT_UP_MILLISECONDS);
+    hiding = setTimeout(settle, CAUGHT_UP_MILLISECONDS);
   } else if (trouble) {
-    banner.hidden = true;
+    settle();
   }
   lostAt = null;
   trouble = false;
@@ -49,6 +50,19 @@ export function failed(error) {
 export function refused(refusal) {
   trouble = true;
   say(refusal.message);
+}
+
+/** The service says what it lacks, or with an empty text that it lacks nothing. */
+export function lacks(problem) {
+  if (problem === lacking) return;
+  lacking = problem;
+  if (lostAt === null && !trouble) settle();
+}
+
+/** Say what there still is to say. */
+function settle() {
+  if (lacking) say(lacking);
+  else banner.hidden = true;
 }
 
 function show(name, text) {

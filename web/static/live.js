@@ -1,6 +1,7 @@
 /** Ties a page to the service: fetch at first, on changes, and after a lost connection. */
 import * as connection from "./connection.js";
 import { EventStream } from "./events.js";
+import { watch } from "./readiness.js";
 
 const FIRST_FETCH_MILLISECONDS = 500;
 
@@ -32,6 +33,7 @@ export function follow(url, refetch) {
     else refetch(kind, payload);
   });
   stream.open();
+  watch();
   setTimeout(() => begun || reload(), FIRST_FETCH_MILLISECONDS);
   return stream;
 }
