@@ -19,16 +19,19 @@ from tests.workers.processes import command_line
 pytestmark = [pytest.mark.cluster, pytest.mark.slow]
 
 Curve = Mapping[str, Sequence[Any]]
-Curves = dict[tuple[str, str, int], Curve]
+Curves = dict[tuple[str, float, float, int], Curve]
 
 SWEEP: dict[str, Any] = {
     "name": "in harm's way",
-    "algorithms": [{"name": "ddpg"}, {"name": "hybrid-ddpg", "weights": {"w1": 0.1, "w2": 0.1}}],
-    "environments": ["Pendulum", "MassPoint"],
+    "algorithms": [
+        {"name": "ddpg"},
+        {"name": "hybrid-ddpg", "weights": [{"w1": w, "w2": 0.1} for w in (0.0, 0.1, 1.0)]},
+    ],
+    "environments": ["Pendulum"],
     "seeds": 16,
     "timesteps": 8_000,
 }
-SMALL = SWEEP | {"environments": ["Pendulum"], "seeds": 2, "timesteps": 40_000}
+SMALL = SWEEP | {"algorithms": [{"name": "ddpg"}], "seeds": 4, "timesteps": 40_000}
 KILLS = 50
 LEASE_SECONDS = 15.0
 END_SECONDS = 1800.0
@@ -115,7 +118,7 @@ def test_a_frozen_raylet(service: RunningService, undisturbed: Curves) -> None:
     wait_for_end(frozen)
 
 
-def test_frozen_workers_that_wake_when_others_have_their_runs(
+def test_frozen_workers_are_ended_and_others_have_their_runs(
     service: RunningService, undisturbed: Curves
 ) -> None:
     sweep_id = submitted(service)
@@ -124,8 +127,7 @@ def test_frozen_workers_that_wake_when_others_have_their_runs(
     begun = time.monotonic()
     wait_for(lambda: all(run.attempt == 2 for run in service.client.runs(sweep_id)), 90.0)
     report("frozen workers: others have their runs after", time.monotonic() - begun, "s")
-    send(signal.SIGCONT, frozen)
-    wait_for_end(frozen, LEASE_SECONDS)
+    wait_for_end(frozen)
     assert curves_at_the_end(service, sweep_id) == undisturbed
     assert {run.attempt for run in service.client.runs(sweep_id)} == {2}
 
@@ -146,7 +148,7 @@ def curves_at_the_end(service: RunningService, sweep_id: str) -> Curves:
     for run in client.runs(sweep_id):
         columns = client.measurements(run.id).columns
         assert list(columns["timestep"]) == list(range(800, run.timesteps + 1, 800))
-        key = (run.algorithm, run.environment, run.seed)
+        key = (run.algorithm, run.weights.w1, run.weights.w2, run.seed)
         curves[key] = {name: list(v) for name, v in columns.items() if "seconds" not in name}
     return curves
 
