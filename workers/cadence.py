@@ -1,7 +1,7 @@
 """Cadence: when the next checkpoint is due.
 
     at once where  since the last one >= 60 s
-    else where     since the last one >= 5 s  and  cost so far + cost of the last <= 2 % of the time
+    else where     since the last one >= 5 s  and  cost so far + highest of one <= 2 % of the time
 
 So checkpoints cost at most 2 % of a worker's time, counted from when it began. Where a single one
 takes over 1.2 s, both limits cannot hold, and the first wins: how much work can be lost is a
@@ -24,7 +24,7 @@ class Cadence:
         self._clock = clock
         self._begun_at = self._last_at = clock()
         self._spent = 0.0
-        self._last_cost = 0.0
+        self._highest = 0.0
 
     @property
     def is_due(self) -> bool:
@@ -32,11 +32,11 @@ class Cadence:
         now = self._clock()
         if now - self._last_at >= LONGEST_SECONDS:
             return True
-        is_cheap = self._spent + self._last_cost <= SHARE * (now - self._begun_at)
+        is_cheap = self._spent + self._highest <= SHARE * (now - self._begun_at)
         return is_cheap and now - self._last_at >= SHORTEST_SECONDS
 
     def took(self, seconds: float) -> None:
         """Take into account what a checkpoint just written took."""
         self._spent += seconds
-        self._last_cost = seconds
+        self._highest = max(self._highest, seconds)
         self._last_at = self._clock()

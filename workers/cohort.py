@@ -166,12 +166,14 @@ class Cohort:
                 cadence.took(time.perf_counter() - begun)
 
     def _save(self, learner: Learner) -> None:
-        """Write a checkpoint of every run in training. Where that fails, training goes on.
+        """Write a checkpoint of every run in training. Where that fails, training goes on."""
+        self._at_once(partial(self._save_run, learner), learner.seeds)
 
-        All at once: the disk takes as long for what many threads ask of it as for what one does.
-        """
-        with ThreadPoolExecutor(len(learner.seeds)) as threads:
-            list(threads.map(partial(self._save_run, learner), learner.seeds))
+    def _at_once(self, write: Callable[[int], None], seeds: Sequence[int]) -> None:
+        """Write for many seeds: the disk takes as long for what many threads ask as for one's."""
+        if seeds:
+            with ThreadPoolExecutor(len(seeds)) as threads:
+                list(threads.map(write, seeds))
 
     def _save_run(self, learner: Learner, seed: int) -> None:
         """Write a run's checkpoint and what it has learned, and tell."""
@@ -183,6 +185,9 @@ class Cohort:
             problem = f"its checkpoint of step {step} could not be written: {error.strerror}"
         with self._lock:
             self._news.checkpoints.append(CheckpointAttempt(seed, learner.timestep, problem))
+        self._save_policy(learner, seed)
+
+    def _save_policy(self, learner: Learner, seed: int) -> None:
         self._try_to_write(seed, learner, self._checkpoints[seed].save_policy)
 
     def _try_to_write(self, seed: int, learner: Learner, write: Callable[[Learner], None]) -> None:
@@ -222,8 +227,7 @@ class Cohort:
             self._measured[entry.seed].append(entry)
         for seed in [*remaining, *finished]:
             self._try_to_write(seed, learner, self._checkpoints[seed].save_epoch)
-        for seed in finished:
-            self._try_to_write(seed, learner, self._checkpoints[seed].save_policy)
+        self._at_once(partial(self._save_policy, learner), finished)
         with self._lock:
             self._news.measurements.extend(measured)
             self._news.diverged.extend(diverged)

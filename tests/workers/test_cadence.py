@@ -54,7 +54,7 @@ def test_no_more_than_a_minute_apart_and_a_small_share(costs: list[float]) -> No
     waited, share = spacings(lambda count: costs[count % len(costs)], 1200.0)
     assert min(waited) >= cadence.SHORTEST_SECONDS
     assert max(waited) <= cadence.LONGEST_SECONDS + 0.25
-    a_surprise = max(costs) / 1200.0  # one that takes longer than the last did
+    a_surprise = max(costs) / 1200.0  # one that takes longer than any before
     assert share <= cadence.SHARE + a_surprise
 
 
