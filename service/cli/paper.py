@@ -46,6 +46,8 @@ def run(
         return
     with any_service() as client:
         sweeps = [submitted(client, request) for request in evaluation(seeds, scale)]
+        for sweep in sweeps:
+            say(f"{sweep.name}:  {client.url}/sweeps/{sweep.id}?figures=1")
         codes = [follow(client, sweep.id, console) for sweep in sweeps]
         write(client, sweeps, output)
     raise SystemExit(max(codes))

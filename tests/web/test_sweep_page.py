@@ -230,14 +230,27 @@ def test_downloads(opened: Page, live: LiveService, sweep: Sweep) -> None:
     curve = answer["panels"][0]["curves"][0]
     assert [float(row["mean"]) for row in rows[:12]] == curve["mean"]
     assert {row["normalized"] for row in rows} == {"false"}
-    expect(opened.locator("#figures a")).to_have_text(["2", "4"])
-    link = opened.get_by_role("link", name="Figure 2")
-    expect(link).to_have_attribute("href", f"/api/v1/sweeps/{sweep.id}/figures/2.png")
     for form in ("PNG", "SVG", "PDF"):
         with opened.expect_download() as downloading:
             opened.get_by_role("link", name=form).click()
         assert downloading.value.suggested_filename == f"sweep-{sweep.id}.{form.lower()}"
         assert "normalized=false" in downloading.value.url
+
+
+def test_the_papers_figures_are_drawn_when_opened(
+    opened: Page, live: LiveService, sweep: Sweep
+) -> None:
+    figures = opened.locator("#paper-figures")
+    expect(figures.locator("img")).to_have_count(0)
+    figures.get_by_text("The paper’s figures, of these runs").click()
+    expect(figures.locator("figcaption")).to_have_text([re.compile("Figure 2"), re.compile("4")])
+    assert state(opened) == {"figures": ["1"]}
+    link = opened.get_by_role("link", name="Figure 4 as PDF")
+    expect(link).to_have_attribute("href", f"/api/v1/sweeps/{sweep.id}/figures/4.pdf")
+    picture = opened.get_by_alt_text("Figure 4 of the paper")
+    picture.scroll_into_view_if_needed()
+    expect(picture).to_have_js_property("complete", True, timeout=60_000)  # two are drawn
+    assert picture.evaluate("each => each.naturalWidth") > 100
 
 
 def test_failures_are_told_with_their_reasons(opened: Page, live: LiveService) -> None:

@@ -10,6 +10,7 @@ import { Legend } from "./legend.js";
 import { follow } from "./live.js";
 import { MetricChoice } from "./metric_choice.js";
 import { Panel } from "./panel.js";
+import { PaperFigures } from "./paper_figures.js";
 import { Refresh } from "./refresh.js";
 import { ScoreTable } from "./score_table.js";
 import { Statistics } from "./statistics.js";
@@ -28,6 +29,7 @@ const view = new View({
   seeds: flag,
   hide: list, // labels of curves
   sort: text, // the environment by which the score table is sorted
+  figures: flag, // whether the paper's are open
   statistics: flag, // whether they are open
 });
 new Controls(at("controls"), view);
@@ -52,6 +54,7 @@ const refreshStatistics = new Refresh((signal) => statistics.load(signal), {
   onError,
 });
 const head = new SweepHead(id, "", () => refreshSweep.hurry(), hideAll);
+const figures = new PaperFigures(view);
 const scores = new ScoreTable(id, view, () => refreshScores.hurry());
 const statistics = new Statistics(id, view, () => refreshStatistics.hurry());
 
@@ -77,22 +80,7 @@ async function loadSweep(signal) {
   await head.load(signal);
   if (!isFirst) return;
   draw();
-  showFigures();
-}
-
-/** Link to the paper's figures that this sweep has runs for: "figure_4" among its links. */
-function showFigures() {
-  const links = Object.entries(head.sweep?.links ?? {}).filter(([name]) => /^figure_/.test(name));
-  at("figures").hidden = links.length === 0;
-  at("figures").append(
-    ...links.map(([name, link]) => {
-      const figure = document.createElement("a");
-      figure.href = link;
-      figure.textContent = name.split("_")[1];
-      figure.setAttribute("aria-label", `Figure ${figure.textContent}`);
-      return figure;
-    }),
-  );
+  figures.show(head.sweep?.links ?? {});
 }
 
 /** What the service is asked for: only what changes its answer. */
