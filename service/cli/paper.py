@@ -6,7 +6,6 @@ import csv
 import hashlib
 import json
 from collections.abc import Iterable, Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
@@ -69,10 +68,20 @@ def tune(output: Output = Path("results")) -> None:
     """Run the sweeps that choose the presets, or go on with them; writes tuning.csv."""
     searches = [("ddpg", task) for task in tuning.TIMESTEPS]
     searches += [("sac", task) for task in tuning.SOFT_TASKS]
-    with any_service() as client, ThreadPoolExecutor(len(searches)) as pool:
+    with any_service() as client:
+        first = [
+            submitted(client, tuning.settings_sweep(task, baseline)) for baseline, task in searches
+        ]
         rows: list[Outcome] = []
-        for found in pool.map(lambda search: searched(client, *search), searches):
-            rows += found
+        second = []
+        for (baseline, task), sweep in zip(searches, first, strict=True):
+            settings = outcomes(client, sweep)
+            rows += settings
+            chosen = tuning.chosen_settings(settings, task, baseline)
+            second.append(submitted(client, tuning.weights_sweep(task, baseline, chosen)))
+            write_tuning(output, rows)
+        for sweep in second:
+            rows += outcomes(client, sweep)
             write_tuning(output, rows)
     say(f"Wrote {len(rows)} outcomes to {output / 'tuning.csv'}")
 
@@ -111,19 +120,9 @@ def write(client: Client, sweeps: Iterable[SweepAnswer], output: Path) -> None:
     say(f"Wrote {output}/: {ended} of {sum(sweep.runs.total for sweep in now)} runs have ended.")
 
 
-def searched(client: Client, baseline: str, task: str) -> list[Outcome]:
-    """Both rounds of a search (service.paper.tuning), the second under the first one's best."""
-    settings = outcomes(client, tuning.settings_sweep(task, baseline))
-    config = tuning.best(settings, baseline).config
-    chosen = {name: config[name] for name in tuning.searched_settings(task, baseline)}
-    weights = outcomes(client, tuning.weights_sweep(task, baseline, chosen))
-    return settings + weights
-
-
-def outcomes(client: Client, request: Mapping[str, Any]) -> list[Outcome]:
-    """Submit a sweep of the tuning, wait for it and say what each of its cells reached."""
-    sweep = client.wait(submitted(client, request).id, poll_seconds=5.0)
-    say(f"{sweep.name}: {sweep.runs.succeeded} of {sweep.runs.total} runs succeeded")
+def outcomes(client: Client, sweep: SweepAnswer) -> list[Outcome]:
+    """Follow a sweep of the tuning to its end, and return what each of its cells reached."""
+    follow(client, sweep.id, console)
     return tuning.outcomes(client.curves(sweep.id, normalized=True, max_points=1000))
 
 

@@ -95,6 +95,12 @@ def weights_sweep(environment: str, baseline: str, config: Mapping[str, Any]) ->
     )
 
 
+def chosen_settings(rows: Iterable[Outcome], environment: str, algorithm: str) -> dict[str, Any]:
+    """Return what round 1 found best, settings that were not searched left out."""
+    config = best(rows, algorithm).config
+    return {name: config[name] for name in searched_settings(environment, algorithm)}
+
+
 def searched_settings(environment: str, algorithm: str) -> list[str]:
     """The settings that round 1 gave to its runs; the others are the algorithm's defaults."""
     fixed = FIXED.get(environment, {}) if algorithm == "ddpg" else {}
