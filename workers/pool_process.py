@@ -32,7 +32,7 @@ from workers.process_group import kill_group, runs_with, wait_for_end
 from workers.report import Report, from_line
 from workers.work import Work
 
-CLOSING_SECONDS = 4.0
+CLOSING_SECONDS = 1.5
 """How long the process may take to end Ray in order; then all of its group is killed."""
 GREETING_SECONDS = 5.0
 """How long a process that is to be taken up may take to say a word."""

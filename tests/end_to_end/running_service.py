@@ -7,7 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Collection, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from functools import cached_property
 from pathlib import Path
 
@@ -103,12 +103,29 @@ class RunningService:
         self.process.send_signal(signal.SIGKILL)
         self.process.wait()
 
-    def stop(self) -> float:
-        """End the service as Ctrl-C would; the seconds it took, None of its processes left."""
+    @contextmanager
+    def open_streams(self, count: int) -> Iterator[None]:
+        """Have so many event streams open."""
+        token = (self.data_dir / "token").read_text().strip()
+        request = (
+            "GET /api/v1/events HTTP/1.1\r\nHost: 127.0.0.1\r\n"
+            f"Authorization: Bearer {token}\r\n\r\n"
+        )
+        with ExitStack() as streams:
+            for _ in range(count):
+                stream = streams.enter_context(
+                    socket.create_connection(("127.0.0.1", self.port), timeout=START_SECONDS)
+                )
+                stream.sendall(request.encode())
+                assert stream.recv(1)
+            yield
+
+    def stop(self, by: signal.Signals = signal.SIGINT) -> float:
+        """End the service, as Ctrl-C would; the seconds it took. None of its processes is left."""
         assert self.process is not None
         family = self.family()
         begun = time.monotonic()
-        self.process.send_signal(signal.SIGINT)
+        self.process.send_signal(by)
         self.process.wait(STOP_SECONDS)
         seconds = time.monotonic() - begun
         wait_for_end(family)

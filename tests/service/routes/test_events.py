@@ -1,12 +1,14 @@
 """Event streams over real connections: resumable, closed cleanly, none left behind."""
 
+import asyncio
+import gc
 import json
 import signal
 import socket
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -15,10 +17,12 @@ import pytest
 from fastapi import FastAPI
 from starlette.testclient import TestClient
 
+from service.store.connection import READERS
 from tests.service.conftest import SWEEP, TOKEN
 from tests.service.served import served
 
 HEADERS = {"Authorization": f"Bearer {TOKEN}"}
+CONNECTIONS = 3 * READERS  # descriptors of the store's connections, which are kept once opened
 Message = dict[str, str]
 
 
@@ -84,6 +88,11 @@ def test_aborted_streams_leave_nothing_behind(url: str, app: FastAPI, client: Te
         f"GET /api/v1/events HTTP/1.1\r\nHost: {host}:{port}\r\n"
         f"Authorization: Bearer {TOKEN}\r\n\r\n"
     )
+    with stream(url, "/api/v1/events") as told:
+        assert next(told)["event"] == "reload"
+    feed = app.state.event_feed
+    wait_for(lambda: feed.listeners == 0)
+    bound = left_open() + CONNECTIONS
     for _ in range(5):
         open_sockets = [socket.create_connection((host, int(port))) for _ in range(100)]
         for each in open_sockets:
@@ -92,11 +101,21 @@ def test_aborted_streams_leave_nothing_behind(url: str, app: FastAPI, client: Te
             each.recv(1)
         for each in open_sockets:
             each.close()
-    feed = app.state.event_feed
+    wait_for(lambda: feed.listeners == 0 and left_open() <= bound)
+
+
+def wait_for(is_so: Callable[[], bool]) -> None:
     deadline = time.monotonic() + 20
-    while feed.listeners and time.monotonic() < deadline:
+    while not is_so():
+        assert time.monotonic() < deadline
         time.sleep(0.05)
-    assert feed.listeners == 0
+
+
+def left_open() -> int:
+    """Descriptors and tasks of this process, in which the server runs too."""
+    gc.collect()
+    tasks = sum(isinstance(each, asyncio.Task) and not each.done() for each in gc.get_objects())
+    return tasks + len(list(Path("/proc/self/fd").iterdir()))
 
 
 SERVER = """
