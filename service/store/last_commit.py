@@ -4,15 +4,15 @@ A connection that is lost during a commit does not say whether the commit happen
 it is written in the same transaction, and there is one writer.
 """
 
-from sqlalchemy import Connection, delete, insert, select
+from sqlalchemy import Connection, insert, select, update
 
 from service.store.tables import last_commit
 
 
 def note(connection: Connection, name: str) -> None:
     """Name the transaction that is under way."""
-    connection.execute(delete(last_commit))
-    connection.execute(insert(last_commit).values(name=name))
+    if connection.execute(update(last_commit).values(name=name)).rowcount == 0:  # the first one
+        connection.execute(insert(last_commit).values(name=name))
 
 
 def name(connection: Connection) -> str | None:
