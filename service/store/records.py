@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from sqlalchemy import Connection, Row, update
+from sqlalchemy import Connection, Row, case, update
 
 from service.claim import Claim
 from service.run import RunStatus
@@ -58,12 +58,11 @@ def _go_on(
     lease: dict[str, Any] = {"lease_until": now() + claim.lease_seconds}
     if progress.bytes_per_run:
         lease["memory_bytes"] = progress.bytes_per_run
+    if progress.activity is Activity.TRAINING:  # in the same statement: each writes the row anew
+        trained = [by_seed[seed].number for seed in in_training(progress, by_seed)]
+        is_in_training = runs.c.number.in_(trained)
+        lease["timestep"] = case((is_in_training, progress.timestep), else_=runs.c.timestep)
     connection.execute(update(runs).where(runs.c.number.in_(numbers)).values(lease))
-    if progress.activity is Activity.TRAINING:
-        numbers = [by_seed[seed].number for seed in in_training(progress, by_seed)]
-        connection.execute(
-            update(runs).where(runs.c.number.in_(numbers)).values(timestep=progress.timestep)
-        )
 
 
 def in_training(progress: Progress, by_seed: Mapping[int, Row[Any]]) -> set[int]:
