@@ -2,7 +2,7 @@
 import { post } from "./api.js";
 import { confirm } from "./confirm.js";
 import { element, keyed, setText } from "./element.js";
-import { ago, count, counted, dateAndTime, percent, remaining } from "./format.js";
+import { ago, count, counted, dateAndTime, number, remaining } from "./format.js";
 
 const STATUSES = ["running", "queued", "paused", "succeeded", "failed", "diverged", "cancelled"];
 
@@ -23,7 +23,7 @@ export function summary({ request }) {
   const product = isWhole
     ? `${learners} × ${environments} × ${counted(seeds, "seed")}`
     : `${learners} in ${environments}: ${counted(curves, "curve")} × ${counted(seeds, "seed")}`;
-  const share = (request.scale ?? 1) < 1 ? `, ${percent(request.scale)} of the timesteps` : "";
+  const share = (request.scale ?? 1) < 1 ? `, ${number(100 * request.scale)} % of the timesteps` : "";
   const steps = request.timesteps ? `, ${count(request.timesteps)} timesteps` : "";
   return product + steps + share;
 }
