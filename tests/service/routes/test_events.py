@@ -114,8 +114,10 @@ def wait_for(is_so: Callable[[], bool]) -> None:
 def left_open() -> int:
     """Descriptors and tasks of this process, in which the server runs too."""
     gc.collect()
-    tasks = sum(isinstance(each, asyncio.Task) and not each.done() for each in gc.get_objects())
-    return tasks + len(list(Path("/proc/self/fd").iterdir()))
+    # By type: isinstance asks some objects of torch for their class, and they warn of it.
+    tasks = [each for each in gc.get_objects() if issubclass(type(each), asyncio.Task)]
+    running = sum(not task.done() for task in tasks)
+    return running + len(list(Path("/proc/self/fd").iterdir()))
 
 
 SERVER = """
