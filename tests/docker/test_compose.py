@@ -1,0 +1,82 @@
+"""The containers of `docker/compose.yml`, as far as they can be judged without an engine."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from service.settings import Settings
+
+DOCKER = Path(__file__).parents[2] / "docker"
+COMPOSE: dict[str, Any] = yaml.safe_load((DOCKER / "compose.yml").read_text())
+CONTAINERS: dict[str, dict[str, Any]] = COMPOSE["services"]
+RAY_NODES = ["head", "worker", "service"]
+SETTINGS = {f"D3PG_{name.upper()}" for name in Settings.model_fields}
+
+
+@pytest.mark.parametrize("name", CONTAINERS)
+def test_a_container_is_reaped_watched_restarted_and_not_root(name: str) -> None:
+    container = CONTAINERS[name]
+    assert container["init"] is True
+    assert container["healthcheck"]["test"][0] == "CMD"
+    assert container["restart"] == "unless-stopped"
+    assert str(container["user"]).split(":")[0] not in {"0", "root"}
+    assert container["cap_drop"] == ["ALL"]
+    assert container["shm_size"]
+
+
+def test_the_service_alone_is_published_and_on_loopback_alone() -> None:
+    published = {
+        name: container["ports"] for name, container in CONTAINERS.items() if "ports" in container
+    }
+    assert published == {"service": ["127.0.0.1:${PORT:-8000}:8000"]}
+    assert not any("network_mode" in container for container in CONTAINERS.values())
+
+
+def test_workers_do_not_see_the_database() -> None:
+    assert COMPOSE["networks"]["storage"] == {"internal": True}
+    on_storage = {
+        name for name, container in CONTAINERS.items() if "storage" in container["networks"]
+    }
+    assert on_storage == {"service", "database"}
+
+
+@pytest.mark.parametrize("name", RAY_NODES)
+def test_every_ray_process_is_told_to_authenticate(name: str) -> None:
+    container = CONTAINERS[name]
+    assert container["environment"]["RAY_AUTH_MODE"] == "token"
+    file = Path(container["environment"]["RAY_AUTH_TOKEN_PATH"])
+    assert file.parent == Path("/run/secrets")
+    assert file.name in container["secrets"]
+
+
+def test_secrets_are_files_and_no_environment_has_one() -> None:
+    assert set(COMPOSE["secrets"]) == {"token", "ray_token", "database_password"}
+    assert all(set(secret) == {"file"} for secret in COMPOSE["secrets"].values())
+    variables = {variable for each in CONTAINERS.values() for variable in each["environment"]}
+    assert not variables & {"D3PG_TOKEN", "RAY_AUTH_TOKEN", "POSTGRES_PASSWORD", "PGPASSWORD"}
+    assert "docker/secrets/" in (DOCKER.parent / ".gitignore").read_text().splitlines()
+
+
+def test_the_variables_named_are_settings_and_make_a_valid_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    own = {
+        name: value
+        for name, value in CONTAINERS["service"]["environment"].items()
+        if name.startswith("D3PG_")
+    }
+    assert own.keys() <= SETTINGS
+    for name, value in own.items():
+        default = value.split(":-")[1].rstrip("}") if value.startswith("${") else value
+        monkeypatch.setenv(name, default)
+    settings = Settings()
+    assert settings.ray_address == "head:6379"
+    assert settings.worker_memory == 2_000_000_000
+
+
+def test_workers_share_what_they_write_with_the_service_and_nothing_else() -> None:
+    shared = {"checkpoints:/data/checkpoints", "logs:/data/logs"}
+    assert set(CONTAINERS["worker"]["volumes"]) == shared
+    assert set(CONTAINERS["service"]["volumes"]) == shared | {"data:/data"}

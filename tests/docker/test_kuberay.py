@@ -1,0 +1,80 @@
+"""The manifests of `docker/kuberay.yaml`, as far as they can be judged without a cluster."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from service.settings import Settings
+
+MANIFEST = Path(__file__).parents[2] / "docker" / "kuberay.yaml"
+DOCUMENTS: list[dict[str, Any]] = list(yaml.safe_load_all(MANIFEST.read_text()))
+CLUSTER = next(each for each in DOCUMENTS if each["kind"] == "RayCluster")["spec"]
+SERVICE = next(each for each in DOCUMENTS if each["kind"] == "Deployment")["spec"]
+TEMPLATES: dict[str, dict[str, Any]] = {
+    "head": CLUSTER["headGroupSpec"]["template"],
+    "worker": CLUSTER["workerGroupSpecs"][0]["template"],
+    "service": SERVICE["template"],
+}
+
+
+@pytest.mark.parametrize("name", TEMPLATES)
+def test_a_pod_is_not_root_and_is_watched(name: str) -> None:
+    pod = TEMPLATES[name]["spec"]
+    assert pod["securityContext"]["runAsNonRoot"] is True
+    [container] = pod["containers"]
+    assert container["securityContext"]["allowPrivilegeEscalation"] is False
+    assert container["securityContext"]["capabilities"] == {"drop": ["ALL"]}
+    assert {"readinessProbe", "livenessProbe"} <= container.keys()
+
+
+@pytest.mark.parametrize("name", TEMPLATES)
+def test_every_ray_process_has_the_token_as_a_file(name: str) -> None:
+    [container] = TEMPLATES[name]["spec"]["containers"]
+    assert_token_file(container)
+    assert_token_file(CLUSTER["autoscalerOptions"])
+
+
+def assert_token_file(container: dict[str, Any]) -> None:
+    variables = {each["name"]: each.get("value") for each in container["env"]}
+    assert variables["RAY_AUTH_MODE"] == "token"
+    folder = str(Path(str(variables["RAY_AUTH_TOKEN_PATH"])).parent)
+    assert folder in {mount["mountPath"] for mount in container["volumeMounts"]}
+
+
+@pytest.mark.parametrize("name", TEMPLATES)
+def test_every_volume_mounted_is_there(name: str) -> None:
+    pod = TEMPLATES[name]["spec"]
+    mounted = {mount["name"] for mount in pod["containers"][0]["volumeMounts"]}
+    assert mounted == {volume["name"] for volume in pod["volumes"]}
+    claims = {each["metadata"]["name"] for each in DOCUMENTS if "Claim" in each["kind"]}
+    claimed = [
+        volume["persistentVolumeClaim"]
+        for volume in pod["volumes"]
+        if "persistentVolumeClaim" in volume
+    ]
+    assert {each["claimName"] for each in claimed} <= claims
+
+
+def test_the_variables_named_are_settings() -> None:
+    [container] = TEMPLATES["service"]["spec"]["containers"]
+    named = {each["name"] for each in container["env"] if each["name"].startswith("D3PG_")}
+    assert named <= {f"D3PG_{name.upper()}" for name in Settings.model_fields}
+
+
+def test_nothing_is_reached_from_outside_the_cluster() -> None:
+    services = [each["spec"] for each in DOCUMENTS if each["kind"] == "Service"]
+    assert [each["type"] for each in services] == ["ClusterIP"]
+    assert CLUSTER["headGroupSpec"]["serviceType"] == "ClusterIP"
+    policy = next(each for each in DOCUMENTS if each["kind"] == "NetworkPolicy")["spec"]
+    selected = policy["podSelector"]["matchLabels"].items()
+    assert all(selected <= pod["metadata"]["labels"].items() for pod in TEMPLATES.values())
+
+
+def test_workers_scale_and_the_service_is_one() -> None:
+    workers = CLUSTER["workerGroupSpecs"][0]
+    assert CLUSTER["enableInTreeAutoscaling"] is True
+    assert 1 <= workers["minReplicas"] <= workers["replicas"] < workers["maxReplicas"]
+    assert SERVICE["replicas"] == 1
+    assert SERVICE["strategy"] == {"type": "Recreate"}
