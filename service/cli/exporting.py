@@ -74,7 +74,7 @@ def measurement_rows(client: Client, runs: Iterable[RunAnswer]) -> Iterator[Row]
     for run in runs:
         spec = (run.id, inert(run.algorithm), inert(run.environment),
                 run.weights.w1, run.weights.w2, run.seed)  # fmt: skip
-        for row in csv.DictReader(io.StringIO(client.measurements_csv(run.id))):
+        for row in client.measurement_rows(run.id):
             yield dict(zip(SPEC_COLUMNS, spec, strict=True)) | row
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from typing import Annotated
 
 import typer
@@ -23,7 +21,7 @@ def verify(run: Annotated[str, typer.Argument(metavar="RUN", help="The id of a r
     """Train a run again, here and alone; its curve must come out the same, bit for bit."""
     with Client() as client:
         told = client.run(run)
-        rows = csv.DictReader(io.StringIO(client.measurements_csv(run)))
+        rows = client.measurement_rows(run)
         stored = [(int(row["timestep"]), float(row["return_mean"])) for row in rows]
     differing = differing_facts(told)
     for fact in differing:

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from service.curves import Floats
-from service.statistics.paired_difference import BASELINES, area
+from service.statistics.paired_difference import BASELINES, area_gained
 from service.statistics.stratified_bootstrap import Estimate, draw_counts, estimate
 
 Columns = Mapping[str, Floats]
@@ -81,13 +81,5 @@ def mean_gain(d: Floats) -> Estimate:
 def _difference(
     cost: Callable[[Columns], Floats], run: MeasuredRun, baseline: MeasuredRun
 ) -> float:
-    x, x0 = cost(run.columns), cost(baseline.columns)
-    if not (x.size and x0.size):
-        return np.nan
-    end = min(x[-1], x0[-1])
-    ours, theirs = x <= end, x0 <= end
-    if not (ours.any() and theirs.any()):
-        return np.nan
-    return area(x[ours], run.columns["return_mean"][ours]) - area(
-        x0[theirs], baseline.columns["return_mean"][theirs]
-    )
+    ours, theirs = run.columns, baseline.columns
+    return area_gained(cost(ours), ours["return_mean"], cost(theirs), theirs["return_mean"])

@@ -11,7 +11,6 @@ An evaluation that goes on can be written too: provenance tells how many of its 
 """
 
 import csv
-import io
 import json
 import os
 import platform
@@ -57,7 +56,7 @@ def write(client: Client, sweeps: Sequence[SweepAnswer], folder: Path) -> list[s
     evidence: dict[str, Any] = {}
     for sweep in sweeps:
         runs = list(client.runs(sweep.id))
-        rows = {run.id: measured(client, run) for run in runs}
+        rows = {run.id: client.measurement_rows(run.id) for run in runs}
         _write_measurements(folder / "measurements", runs, rows)
         lacking += _write_figures(client, sweep, folder)
         evidence[sweep.name] = _provenance(sweep, runs, rows)
@@ -67,11 +66,6 @@ def write(client: Client, sweeps: Sequence[SweepAnswer], folder: Path) -> list[s
     text = json.dumps(provenance, indent=1, sort_keys=True) + "\n"
     (folder / "provenance.json").write_text(text, encoding="utf-8")
     return lacking
-
-
-def measured(client: Client, run: RunAnswer) -> list[Row]:
-    """Return a run's measurements, as the CSV has them."""
-    return list(csv.DictReader(io.StringIO(client.measurements_csv(run.id))))
 
 
 def versions() -> dict[str, str]:

@@ -72,18 +72,22 @@ def area(x: Floats, y: Floats) -> float:
 
 
 def _differences(runs: Sequence[RunCurve], baseline_runs: Sequence[RunCurve]) -> Floats:
-    """Return the differences of area of the pairs of equal seed that have measured."""
+    """Return the differences of area of the pairs of equal seed; NaN before both have measured."""
     by_seed = {run.spec.seed: run for run in baseline_runs}
     pairs = [(run, by_seed[run.spec.seed]) for run in runs if run.spec.seed in by_seed]
-    return np.array([_difference(*pair) for pair in pairs if all(len(run.x) for run in pair)])
+    return np.array([area_gained(run.x, run.values, its.x, its.values) for run, its in pairs])
 
 
-def _difference(run: RunCurve, baseline: RunCurve) -> float:
-    end = min(run.x[-1], baseline.x[-1])
-    ours, theirs = run.x <= end, baseline.x <= end
+def area_gained(x: Floats, y: Floats, x0: Floats, y0: Floats) -> float:
+    """Return the area of (x, y) minus that of (x0, y0), both up to the smaller of their last x.
+
+    NaN where one of them has no point up to there.
+    """
+    if not (len(x) and len(x0)):
+        return np.nan
+    end = min(x[-1], x0[-1])
+    ours, theirs = x <= end, x0 <= end
     if not (ours.any() and theirs.any()):
         return np.nan
     with np.errstate(all="ignore"):
-        return area(run.x[ours], run.values[ours]) - area(
-            baseline.x[theirs], baseline.values[theirs]
-        )
+        return area(x[ours], y[ours]) - area(x0[theirs], y0[theirs])
