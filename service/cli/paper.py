@@ -65,25 +65,53 @@ def write_results(
 
 @app.command()
 def tune(output: Output = Path("results")) -> None:
-    """Run the sweeps that choose the presets, or go on with them; writes tuning.csv."""
-    searches = [("ddpg", task) for task in tuning.TIMESTEPS]
-    searches += [("sac", task) for task in tuning.SOFT_TASKS]
+    """Run the sweeps that choose the presets, or go on with them; writes tuning.csv.
+
+    Cells that the folder's tuning.csv has already are not run again.
+    """
+    rows = read_tuning(output)
     with any_service() as client:
-        first = [
-            submitted(client, tuning.settings_sweep(task, baseline)) for baseline, task in searches
-        ]
-        rows: list[Outcome] = []
-        second = []
-        for (baseline, task), sweep in zip(searches, first, strict=True):
-            settings = outcomes(client, sweep)
-            rows += settings
-            chosen = tuning.chosen_settings(settings, task, baseline)
-            second.append(submitted(client, tuning.weights_sweep(task, baseline, chosen)))
-            write_tuning(output, rows)
-        for sweep in second:
-            rows += outcomes(client, sweep)
-            write_tuning(output, rows)
-    say(f"Wrote {len(rows)} outcomes to {output / 'tuning.csv'}")
+        rows += search(
+            client,
+            [
+                tuning.settings_sweep(task, baseline, rows)
+                for baseline in tuning.SETTINGS
+                for task in tuning.tasks(baseline)
+            ],
+            rows,
+            output,
+        )
+        rows += search(
+            client,
+            [
+                tuning.weights_sweep(task, hybrid, tuning.best(rows, task, baseline).config, rows)
+                for hybrid, baseline in tuning.HYBRIDS.items()
+                for task in tuning.tasks(hybrid)
+            ],
+            rows,
+            output,
+        )
+    say(f"{output / 'tuning.csv'} has {len(rows)} outcomes")
+
+
+def search(
+    client: Client,
+    requests: Iterable[Mapping[str, Any] | None],
+    known: Iterable[Outcome],
+    output: Path,
+) -> list[Outcome]:
+    """Run sweeps of the tuning, the first first; write what is known after each, return the new."""
+    sweeps = [
+        submitted(client, {**request, "priority": -place})
+        for place, request in enumerate(requests)
+        if request
+    ]
+    new: list[Outcome] = []
+    for sweep in sweeps:
+        follow(client, sweep.id, console)
+        new += tuning.outcomes(client.curves(sweep.id, normalized=True, max_points=1000))
+        write_tuning(output, [*known, *new])
+    return new
 
 
 @contextmanager
@@ -120,10 +148,25 @@ def write(client: Client, sweeps: Iterable[SweepAnswer], output: Path) -> None:
     say(f"Wrote {output}/: {ended} of {sum(sweep.runs.total for sweep in now)} runs have ended.")
 
 
-def outcomes(client: Client, sweep: SweepAnswer) -> list[Outcome]:
-    """Follow a sweep of the tuning to its end, and return what each of its cells reached."""
-    follow(client, sweep.id, console)
-    return tuning.outcomes(client.curves(sweep.id, normalized=True, max_points=1000))
+def read_tuning(folder: Path) -> list[Outcome]:
+    """Read tuning.csv; nothing where there is none."""
+    file = folder / "tuning.csv"
+    if not file.exists():
+        return []
+    with file.open(encoding="utf-8", newline="") as lines:
+        return [
+            Outcome(
+                row["environment"],
+                row["algorithm"],
+                (float(row["w1"]), float(row["w2"])),
+                json.loads(row["config"]),
+                float(row["area"]),
+                float(row["end"]),
+                int(row["runs"]),
+                row["sweep"],
+            )
+            for row in csv.DictReader(lines)
+        ]
 
 
 def write_tuning(folder: Path, rows: Iterable[Outcome]) -> None:

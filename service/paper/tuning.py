@@ -9,10 +9,11 @@ What is best has the largest mean, over runs, of the area under the normalised l
 mean of its return_mean); of equals the first. Gradient descent and MPC, which have no gradient
 terms, were tuned before this service could run them; `algorithms.presets` has what they reached.
 
-Seeds are none of the evaluation's.
+Seeds are none of the evaluation's. A cell whose outcome is known already is not run again: the
+search outlives the database and the machine that began it by its table, tuning.csv.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -22,7 +23,6 @@ from service.schemas.curves_answer import CurvesAnswer
 SEEDS = [100, 101, 102, 103]
 
 TIMESTEPS = {
-    "MassPoint": 12_000,
     "CartPole": 40_000,
     "CartPoleSwingUp": 60_000,
     "Pendulum": 20_000,
@@ -30,6 +30,7 @@ TIMESTEPS = {
     "Acrobot": 40_000,
     "RollingDie": 40_000,
     "HalfCheetah": 80_000,
+    "MassPoint": 12_000,
 }
 """Long enough to tell good settings from bad ones; the evaluation is longer."""
 
@@ -43,7 +44,8 @@ SETTINGS: Mapping[str, Mapping[str, tuple[Any, ...]]] = {
 FIXED: Mapping[str, Mapping[str, Any]] = {"HalfCheetah": {"cycle_updates": 100}}
 """Settings of all DDPG runs in a task, found by hand."""
 
-HYBRIDS = {"ddpg": ("hybrid-ddpg", "hybrid-ddpg-cosine"), "sac": ("hybrid-sac",)}
+HYBRIDS = {"hybrid-ddpg": "ddpg", "hybrid-sac": "sac", "hybrid-ddpg-cosine": "ddpg"}
+"""What each hybrid extends; in the order of their searches."""
 
 SIZES = (1.0, 0.1, 0.01)
 PAIRS = [*product(SIZES, SIZES), *((w, 0.0) for w in SIZES), *((0.0, w) for w in SIZES)]
@@ -53,6 +55,7 @@ PAIRS = [*product(SIZES, SIZES), *((w, 0.0) for w in SIZES), *((0.0, w) for w in
 class Outcome:
     """What one cell of a tuning sweep reached.
 
+    config     of the searched settings
     area, end  mean over runs of the mean, and of the last tenth, of the normalised return_mean
     runs       how many measured anything
     sweep      the sweep's id
@@ -68,46 +71,75 @@ class Outcome:
     sweep: str
 
 
-def settings_sweep(environment: str, algorithm: str) -> dict[str, Any]:
-    """Round 1: an algorithm without gradient terms, with each of its settings."""
+def tasks(algorithm: str) -> list[str]:
+    """The tasks in which an algorithm, or what it extends, is tuned."""
+    return SOFT_TASKS if HYBRIDS.get(algorithm, algorithm) == "sac" else list(TIMESTEPS)
+
+
+def settings_sweep(
+    environment: str, algorithm: str, known: Collection[Outcome] = ()
+) -> dict[str, Any] | None:
+    """Round 1: an algorithm without gradient terms, with each of its settings.
+
+    None where every outcome is known; else without the cells whose outcome is.
+    """
     grid = SETTINGS[algorithm]
-    fixed = FIXED.get(environment, {}) if algorithm == "ddpg" else {}
+    configs = [
+        {**_fixed(environment, algorithm), **dict(zip(grid, values, strict=True))}
+        for values in product(*grid.values())
+    ]
     return _sweep(
         f"tuning: settings of {algorithm}, {environment}",
         environment,
         [
-            {"name": algorithm, "config": {**fixed, **dict(zip(grid, values, strict=True))}}
-            for values in product(*grid.values())
+            {"name": algorithm, "config": config}
+            for config in configs
+            if not _is_known(known, environment, algorithm, (0.0, 0.0), config)
         ],
     )
 
 
-def weights_sweep(environment: str, baseline: str, config: Mapping[str, Any]) -> dict[str, Any]:
-    """Round 2: the hybrids of an algorithm under its best settings, with each pair of weights."""
-    pairs = [{"w1": w1, "w2": w2} for w1, w2 in PAIRS]
+def weights_sweep(
+    environment: str, hybrid: str, config: Mapping[str, Any], known: Collection[Outcome] = ()
+) -> dict[str, Any] | None:
+    """Round 2: a hybrid, with each pair of weights, under the best settings of what it extends.
+
+    None where every outcome is known; else without the cells whose outcome is.
+    """
+    pairs = [
+        {"w1": w1, "w2": w2}
+        for w1, w2 in PAIRS
+        if not _is_known(known, environment, hybrid, (w1, w2), config)
+    ]
     return _sweep(
-        f"tuning: weights over {baseline}, {environment}",
+        f"tuning: weights of {hybrid}, {environment}",
         environment,
-        [
-            {"name": hybrid, "weights": pairs, "config": dict(config)}
-            for hybrid in HYBRIDS[baseline]
-        ],
+        [{"name": hybrid, "weights": pairs, "config": dict(config)}] if pairs else [],
     )
 
 
-def chosen_settings(rows: Iterable[Outcome], environment: str, algorithm: str) -> dict[str, Any]:
-    """Return what round 1 found best, settings that were not searched left out."""
-    config = best(rows, algorithm).config
-    return {name: config[name] for name in searched_settings(environment, algorithm)}
+def _is_known(
+    known: Collection[Outcome],
+    environment: str,
+    algorithm: str,
+    weights: tuple[float, float],
+    config: Mapping[str, Any],
+) -> bool:
+    cell = (environment, algorithm, weights, dict(config))
+    return any(
+        row.runs == len(SEEDS)
+        and cell == (row.environment, row.algorithm, row.weights, dict(row.config))
+        for row in known
+    )
 
 
-def searched_settings(environment: str, algorithm: str) -> list[str]:
-    """The settings that round 1 gave to its runs; the others are the algorithm's defaults."""
-    fixed = FIXED.get(environment, {}) if algorithm == "ddpg" else {}
-    return [*SETTINGS[algorithm], *fixed]
+def _fixed(environment: str, algorithm: str) -> Mapping[str, Any]:
+    return FIXED.get(environment, {}) if algorithm == "ddpg" else {}
 
 
-def _sweep(name: str, environment: str, algorithms: list[dict[str, Any]]) -> dict[str, Any]:
+def _sweep(name: str, environment: str, algorithms: list[dict[str, Any]]) -> dict[str, Any] | None:
+    if not algorithms:
+        return None
     return {
         "name": name,
         "algorithms": algorithms,
@@ -124,7 +156,7 @@ def outcomes(curves: CurvesAnswer) -> list[Outcome]:
             panel.environment,
             curve.algorithm,
             (curve.weights.w1, curve.weights.w2),
-            curve.config,
+            _searched(panel.environment, curve.algorithm, curve.config),
             _mean(curve.mean),
             _mean(curve.mean[-max(1, len(curve.mean) // 10) :]),
             max(curve.n, default=0),
@@ -135,9 +167,16 @@ def outcomes(curves: CurvesAnswer) -> list[Outcome]:
     ]
 
 
-def best(rows: Iterable[Outcome], algorithm: str) -> Outcome:
+def _searched(environment: str, algorithm: str, config: Mapping[str, Any]) -> dict[str, Any]:
+    """The settings that round 1 gave to its runs; the others are the algorithm's defaults."""
+    baseline = HYBRIDS.get(algorithm, algorithm)
+    return {name: config[name] for name in (*SETTINGS[baseline], *_fixed(environment, baseline))}
+
+
+def best(rows: Iterable[Outcome], environment: str, algorithm: str) -> Outcome:
     """The cell of an algorithm with the largest area; raises ValueError where there is none."""
-    return max((row for row in rows if row.algorithm == algorithm), key=lambda row: row.area)
+    cells = (row for row in rows if (row.environment, row.algorithm) == (environment, algorithm))
+    return max(cells, key=lambda row: row.area)
 
 
 def _mean(values: list[float | None]) -> float:

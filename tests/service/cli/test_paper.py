@@ -104,4 +104,14 @@ def test_tuning_gives_the_hybrids_what_suited_ddpg(
     weights = next(row for row in rows if row["algorithm"] == "hybrid-ddpg-cosine")
     assert json.loads(settings["config"]) == json.loads(weights["config"]), "all are equally good"
     assert settings["runs"] == "4"
-    assert {row["sweep"] for row in rows} == {sweep.id for sweep in service.sweeps()}
+    sweeps = {sweep.id for sweep in service.sweeps()}
+    assert {row["sweep"] for row in rows} == sweeps
+
+    table = tmp_path / "tuning.csv"
+    lines = table.read_text().splitlines(keepends=True)
+    table.write_text("".join(line for line in lines if "ddpg-cosine,1.0" not in line))
+    with workers(store):
+        d3pg("paper", "tune", "-o", str(tmp_path))
+    assert len(rows_of(table)) == len(rows)
+    [again] = [sweep for sweep in service.sweeps() if sweep.id not in sweeps]
+    assert again.runs.total == 4 * 4, "the pairs (1, *) and no others"
