@@ -38,7 +38,7 @@ def test_a_search_can_be_submitted(hybrid: str, environment: str) -> None:
     chosen = request["algorithms"][0]["config"]
     weights = plan(requested(tuning.weights_sweep(environment, hybrid, chosen)))
     pairs = {cell.weights for cell in weights.cells}
-    assert len(pairs) == len(tuning.PAIRS) == 15
+    assert len(pairs) == (15 if hybrid == "hybrid-ddpg" else 9)
     assert {(1.0, 0.0), (0.0, 0.01)} <= pairs
 
 
@@ -47,12 +47,12 @@ def test_what_is_known_is_not_run_again() -> None:
         config = {"reward_scale": 3.0}
         return Outcome("Pendulum", "hybrid-sac", weights, config, 0.1, 0.2, runs, "a")
 
-    known = [outcome((1.0, 0.1), 4), outcome((1.0, 1.0), 3)]
+    known = [outcome((1.0, 0.0), 4), outcome((1.0, 1.0), 3)]
     request = tuning.weights_sweep("Pendulum", "hybrid-sac", {"reward_scale": 3.0}, known)
-    assert len(plan(requested(request)).cells) == 14, "three runs are not an outcome yet"
+    assert len(plan(requested(request)).cells) == 8, "three runs are not an outcome yet"
     request = tuning.weights_sweep("Pendulum", "hybrid-sac", {"reward_scale": 1.0}, known)
-    assert len(plan(requested(request)).cells) == 15
-    everything = [outcome(pair, 4) for pair in tuning.PAIRS]
+    assert len(plan(requested(request)).cells) == 9
+    everything = [outcome(pair, 4) for pair in tuning.PAIRS["hybrid-sac"]]
     assert tuning.weights_sweep("Pendulum", "hybrid-sac", {"reward_scale": 3.0}, everything) is None
 
 
