@@ -69,7 +69,9 @@ def test_panels_do_not_overlap() -> None:
     for panel in board["panels"]:
         place = panel["gridPos"]
         cells = {
-            (place["x"] + dx, place["y"] + dy) for dx in range(place["w"]) for dy in range(place["h"])
+            (place["x"] + dx, place["y"] + dy)
+            for dx in range(place["w"])
+            for dy in range(place["h"])
         }
         assert not cells & taken
         assert place["x"] + place["w"] <= 24
