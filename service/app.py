@@ -83,7 +83,7 @@ def create_app(settings: Settings, store: Store, dispatcher: Dispatcher) -> Fast
     app.state.dispatcher = dispatcher
     app.state.event_feed = EventFeed(store)
     app.state.side = SideProcess()
-    app.state.checkpoints = settings.checkpoints
+    app.state.checkpoints = settings.checkpoint_place
     app.state.worker_memory = settings.run_memory
     install_problem_handlers(app)
     api = APIRouter(prefix=PREFIX)

@@ -30,7 +30,7 @@ def wired(settings: Settings) -> Iterator[FastAPI]:
                     settings.workers,
                     settings.ray_address,
                     settings.data_dir,
-                    settings.checkpoints,
+                    settings.checkpoint_place,
                 )
             )
             dispatcher = Dispatcher(
@@ -39,7 +39,7 @@ def wired(settings: Settings) -> Iterator[FastAPI]:
                 limit_of=partial(runs_at_once, worker_memory=settings.run_memory),
             )
             app = create_app(settings, store, dispatcher)
-            removal = CheckpointRemoval(store, settings.checkpoints)
+            removal = CheckpointRemoval(store, settings.checkpoint_place)
             dispatcher.start()
             removal.start()
             try:

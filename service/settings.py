@@ -9,6 +9,7 @@ from pydantic import ByteSize, Field, SecretStr, field_validator, model_validato
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 from service.worker_memory import LEAST_BYTES, usual_worker_memory
+from workers.place import Place, place_of
 
 LOOPBACK_HOSTS = frozenset({"127.0.0.1", "localhost", "[::1]"})
 WILDCARD_ADDRESSES = frozenset({"0.0.0.0", "::"})  # noqa: S104 - recognised, not bound
@@ -20,7 +21,9 @@ class Settings(BaseSettings):
 
     host          address to bind; another than loopback needs `allow_host`
     port          TCP port
-    data_dir      database, token, checkpoints and logs of one service
+    data_dir      database, token, logs and, if not elsewhere, checkpoints of one service
+    checkpoints   where the workers keep them: a folder, as they see it, or s3://bucket/prefix;
+                  empty: in the data directory
     database_url  SQLAlchemy URL; empty: SQLite in the data directory
     ray_address   a Ray cluster to join; empty: a local one of the service's own
     workers       local worker slots; default: the cores this process may use
@@ -36,6 +39,7 @@ class Settings(BaseSettings):
     host: str = "127.0.0.1"
     port: int = Field(default=8000, ge=0, le=65535)
     data_dir: Path = Path("d3pg-data")
+    checkpoints: str = ""
     database_url: str = ""
     ray_address: str = ""
     workers: int = Field(default_factory=lambda: len(os.sched_getaffinity(0)), ge=1, le=4096)
@@ -48,6 +52,12 @@ class Settings(BaseSettings):
     def _split_at_commas(cls, value: object) -> object:
         if isinstance(value, str):
             return tuple(name.strip().lower() for name in value.split(",") if name.strip())
+        return value
+
+    @field_validator("checkpoints")
+    @classmethod
+    def _refuse_what_is_no_place(cls, value: str) -> str:
+        place_of(value)
         return value
 
     @field_validator("token")
@@ -91,9 +101,9 @@ class Settings(BaseSettings):
         return self.worker_memory or usual_worker_memory(self.workers)
 
     @property
-    def checkpoints(self) -> Path:
-        """Folder of the runs' checkpoints and policies."""
-        return self.data_dir / "checkpoints"
+    def checkpoint_place(self) -> Place:
+        """Where the runs' checkpoints and policies lie: `checkpoints`, else in the data folder."""
+        return place_of(self.checkpoints or str(self.data_dir / "checkpoints"))
 
     @property
     def url(self) -> str:

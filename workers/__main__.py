@@ -16,7 +16,7 @@ def main() -> None:
     parser.add_argument("--workers", type=int, required=True, help="local worker slots")
     parser.add_argument("--address", required=True, help="cluster to join; empty: a local one")
     parser.add_argument("--logs", type=Path, required=True, help="folder of the workers' logs")
-    parser.add_argument("--checkpoints", type=Path, required=True, help="folder of checkpoints")
+    parser.add_argument("--checkpoints", required=True, help="folder or s3://bucket/prefix")
     parser.add_argument("--scratch", required=True, help="folder for Ray's own files")
     options = parser.parse_args()
     listener = socket.socket(fileno=options.listener)

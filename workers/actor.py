@@ -52,7 +52,7 @@ class Worker:
     def __init__(self, name: str, log_path: str, checkpoints: str) -> None:
         """Send all output of the process to the log file, a crash's stack too."""
         self._name = name
-        self._checkpoints = Path(checkpoints)
+        self._checkpoints = checkpoints
         self._log_path = Path(log_path)
         self._cohort = ""
         self._dropped: set[int] = set()
@@ -111,7 +111,7 @@ class Slot:
     """One worker at a time, on a thread of its own."""
 
     def __init__(
-        self, names: "itertools.count[int]", logs: Path, checkpoints: Path, send: Send
+        self, names: "itertools.count[int]", logs: Path, checkpoints: str, send: Send
     ) -> None:
         """Start the thread."""
         self._names = names
@@ -149,9 +149,7 @@ class Slot:
             log_path = self._logs / f"{self.worker}.log"
             begun = time.monotonic()
             try:
-                self._actor = RemoteWorker.remote(
-                    self.worker, str(log_path), str(self._checkpoints)
-                )
+                self._actor = RemoteWorker.remote(self.worker, str(log_path), self._checkpoints)
                 self._serve()
             except ray.exceptions.RayError as error:
                 self._send(to_line(Lost(self.worker, _reason(error), log_tail(log_path))))
@@ -191,7 +189,7 @@ def _reason(error: Exception) -> str:
 class ActorPool:
     """All slots; obeys one service after the other, until one closes the pool or none comes."""
 
-    def __init__(self, outbox: Outbox, slots: int, logs: Path, checkpoints: Path) -> None:
+    def __init__(self, outbox: Outbox, slots: int, logs: Path, checkpoints: str) -> None:
         """Start the slots."""
         self._outbox = outbox
         self._is_closed = False
@@ -252,7 +250,7 @@ def drive(
     address: str,
     *,
     logs: Path,
-    checkpoints: Path,
+    checkpoints: str,
     spool: Path,
     scratch: str,
 ) -> None:

@@ -1,24 +1,24 @@
 """Checkpoints of a run: where a worker leaves it, so that another takes it up to the same bits.
 
-    <checkpoints>/<run id>/2-4800.checkpoint  attempt 2 at timestep 4800: its manifest, a line feed,
-                                              the state that the next bits depend on
-                           2.journal          what attempt 2 lived through (workers.journal)
-                           policy             what was learned (algorithms.snapshot)
-                           policy-epoch-10    and as of an epoch that figure 2 shows
+    <place>/<run id>/2-4800.checkpoint  attempt 2 at timestep 4800: its manifest, a line feed,
+                                        the state that the next bits depend on
+                     2.journal          what attempt 2 lived through (workers.journal)
+                     policy             what was learned (algorithms.snapshot)
+                     policy-epoch-10    and as of an epoch that figure 2 shows
 
-All but the journal are sealed files. A checkpoint is written after its journal and says how much
-of which journals belongs to it, with the digests, so what can be read is whole. The last two are
-kept; where the newest is damaged, the one before serves. A worker that was given up may go on
-writing for a while: it writes under its own attempt's number and removes nothing of later ones.
+All but the journal are sealed files; the place is a disk or a bucket (workers/folder.py). A
+checkpoint is written after its journal and says how much of which journals belongs to it, with the
+digests, so what can be read is whole. The last two are kept; where the newest is damaged, the one
+before serves. A worker that was given up may go on writing for a while: it writes under its own
+attempt's number and removes nothing of later ones.
 
 Which checkpoint serves: one of the same spec, made by the same code. One from another machine or
 other libraries serves too, but the run's bits are then of two kinds, and it is marked so. One of
 other code does not: nobody knows what that code would make of it.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -34,13 +34,16 @@ from workers.checkpoint_folder import (
     NAME,
     POLICY,
     epoch_file,
-    folder_of,
     newest_first,
 )
 from workers.critic_surface import SURFACE_TASK
+from workers.folder import Folder, UnreachableError
 from workers.journal import Beginning, Journal, pieces
 from workers.manifest import Manifest, spec_digest
+from workers.place import Place, folder_in
 from workers.sealed_file import DamagedError
+
+ANEW = "begun again from step 0"
 
 
 @dataclass(frozen=True)
@@ -64,11 +67,13 @@ class Found:
 class Checkpoints:
     """Those of one run, as its worker reads and writes them."""
 
-    def __init__(self, root: Path, assignment: Assignment, fingerprint: Mapping[str, Any]) -> None:
+    def __init__(
+        self, place: Place, assignment: Assignment, fingerprint: Mapping[str, Any]
+    ) -> None:
         """Read and write nothing yet. Raises ValueError for a name that is none."""
-        self._folder = folder_of(root, assignment.run_id)
+        self._folder = folder_in(place, assignment.run_id)
         self._attempt = assignment.attempt
-        self._journal = Journal(self._folder / f"{assignment.attempt}.journal")
+        self._journal = Journal(self._folder, f"{assignment.attempt}.journal")
         self._journal_end = 0  # the timestep that it has come to
         self._earlier: Sequence[Beginning] = ()  # journals of earlier attempts
         self._seed = assignment.spec.seed
@@ -78,29 +83,43 @@ class Checkpoints:
         self._mixed_with: Sequence[str] = ()
         self._kept: list[str] = []  # the files of the last two, the newer one last
 
-    def find(self) -> Found:
-        """Find the newest checkpoint that serves."""
-        problems: list[str] = []
-        for path in newest_first(self._folder):
+    def find(self, patience: Callable[[], bool] = lambda: False) -> Found:
+        """Find the newest checkpoint that serves.
+
+        Where their place does not answer, it is asked again while there is patience.
+        """
+        while True:
             try:
-                text, _, state = sealed_file.read(path).partition(b"\n")
+                return self._find()
+            except UnreachableError as trouble:
+                if patience():
+                    continue
+                problem = trouble.strerror
+            except OSError as trouble:
+                problem = trouble.strerror
+            return Found(note=f"no checkpoint could be looked for ({problem}), {ANEW}")
+
+    def _find(self) -> Found:
+        problems: list[str] = []
+        for name in newest_first(self._folder):
+            try:
+                text, _, state = sealed_file.read(self._folder, name).partition(b"\n")
                 manifest = Manifest.from_text(text)
                 if refusal := self._refusal(manifest):
                     problems.append(refusal)
                 else:
                     saved = Saved(sealed_file.unpacked(state), self._lived_through(manifest))
-                    return self._take_up(manifest, path, saved, problems)
+                    return self._take_up(manifest, name, saved, problems)
             except DamagedError as damage:
                 which = "the one before" if problems else "newest checkpoint"
                 problems.append(f"{which} damaged ({damage})")
         said = list(dict.fromkeys(problems))
-        return Found(note=", ".join([*said, "begun again from step 0"]) if said else "")
+        return Found(note=", ".join([*said, ANEW]) if said else "")
 
     def save(self, learner: Learner, measurements: Sequence[Measurement]) -> None:
         """Write a checkpoint. Raises OSError; the one before stands then."""
         timestep = learner.timestep
-        self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        path = self._folder / f"{self._attempt}-{timestep}.checkpoint"
+        name = f"{self._attempt}-{timestep}.checkpoint"
         try:
             rows = learner.journal(self._seed, self._journal_end)
             if rows:
@@ -115,9 +134,8 @@ class Checkpoints:
                 measurements=list(measurements),
             )
             state = sealed_file.packed(learner.state(self._seed))
-            sealed_file.write(path, manifest.to_text() + b"\n" + state)
-            sealed_file.bring_to_disk(self._folder)
-            self._kept = [*self._kept[-1:], path.name]
+            sealed_file.write(self._folder, name, manifest.to_text() + b"\n" + state)
+            self._kept = [*self._kept[-1:], name]
         finally:
             self._remove_what_is_not_kept()
 
@@ -134,16 +152,14 @@ class Checkpoints:
     def _save_snapshot(self, name: str, learner: Learner) -> None:
         snapshot = learner.snapshot(self._seed)
         if snapshot is not None:
-            self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-            sealed_file.write(self._folder / name, sealed_file.packed(snapshot.arrays()))
-            sealed_file.bring_to_disk(self._folder)
+            sealed_file.write(self._folder, name, sealed_file.packed(snapshot.arrays()))
 
     def _take_up(
-        self, manifest: Manifest, path: Path, saved: Saved, problems: Sequence[str]
+        self, manifest: Manifest, name: str, saved: Saved, problems: Sequence[str]
     ) -> Found:
         differing = _differences(self._fingerprint, manifest.fingerprint)
         self._mixed_with = [*manifest.mixed_with, *differing]
-        self._kept = [path.name]
+        self._kept = [name]
         self._earlier, self._journal_end = manifest.journal, manifest.timestep
         said = [*problems, f"resumed from step {manifest.timestep}"] if problems else []
         if self._mixed_with:
@@ -166,32 +182,39 @@ class Checkpoints:
         """Remove what the last two checkpoints do not need, but nothing of later attempts."""
         journals = [*self._earlier, *self._journal.so_far()]
         needed = {*self._kept, *(each.file for each in journals)}
-        for path in self._folder.iterdir():
-            named = NAME.match(path.name)
-            if named and path.name not in needed and int(named["attempt"]) <= self._attempt:
-                path.unlink(missing_ok=True)
+
+        def is_unneeded(name: str) -> bool:
+            named = NAME.match(name)
+            return bool(named and name not in needed and int(named["attempt"]) <= self._attempt)
+
+        self._folder.remove(is_unneeded)
 
 
-def find_snapshot(root: Path, run_id: str) -> Snapshot | None:
+def find_snapshot(place: Place, run_id: str) -> Snapshot | None:
     """What a run has learned, as of its last checkpoint or its end; None where there is nothing.
 
-    Raises ValueError for a name that is none, DamagedError.
+    Raises ValueError for a name that is none, DamagedError, OSError.
     """
-    return _snapshot(folder_of(root, run_id) / POLICY)
+    folder = folder_in(place, run_id)
+    return _snapshot(folder, POLICY) if POLICY in folder.names() else None
 
 
-def find_epochs(root: Path, run_id: str) -> dict[int, Snapshot]:
+def find_epochs(place: Place, run_id: str) -> dict[int, Snapshot]:
     """What a run had learned by the epochs that figure 2 shows, of those it has come to.
 
-    Raises ValueError for a name that is none, DamagedError.
+    Raises ValueError for a name that is none, DamagedError, OSError.
     """
-    folder = folder_of(root, run_id)
-    found = {epoch: _snapshot(folder / epoch_file(epoch)) for epoch in EPOCHS}
-    return {epoch: snapshot for epoch, snapshot in found.items() if snapshot is not None}
+    folder = folder_in(place, run_id)
+    written = folder.names()
+    return {
+        epoch: _snapshot(folder, epoch_file(epoch))
+        for epoch in EPOCHS
+        if epoch_file(epoch) in written
+    }
 
 
-def _snapshot(path: Path) -> Snapshot | None:
-    return snapshot_of(sealed_file.unpacked(sealed_file.read(path))) if path.exists() else None
+def _snapshot(folder: Folder, name: str) -> Snapshot:
+    return snapshot_of(sealed_file.unpacked(sealed_file.read(folder, name)))
 
 
 def _joined(states: Sequence[State]) -> State:

@@ -24,6 +24,9 @@ from workers.random_return import RandomReturn
 
 PATIENCE_SECONDS = 12.0
 """A worker whose news nobody collected for so long stops, before its lease of 15 s has ended."""
+OUTAGE_SECONDS = 60.0
+"""So long a worker looks for checkpoints in a place that does not answer; then it begins anew."""
+AGAIN_SECONDS = 2.0
 
 
 class AbandonedError(RuntimeError):
@@ -131,7 +134,12 @@ class Cohort:
 
     def _find_checkpoints(self) -> dict[int, Found]:
         """Look where each run was left, and tell."""
-        found = {seed: checkpoints.find() for seed, checkpoints in self._checkpoints.items()}
+        given_up_at = time.monotonic() + OUTAGE_SECONDS
+
+        def patience() -> bool:
+            return not self._stopped.wait(AGAIN_SECONDS) and time.monotonic() < given_up_at
+
+        found = {seed: each.find(patience) for seed, each in self._checkpoints.items()}
         self._measured = {seed: [*each.measurements] for seed, each in found.items()}
         with self._lock:
             self._news.measurements.extend(m for each in found.values() for m in each.measurements)

@@ -6,7 +6,6 @@ A run's curve depends on its spec alone, so executing a run again gives the same
 from collections.abc import Callable, Collection, Generator, Sequence
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
 from algorithms.learner import Learner
 from algorithms.training import build
@@ -14,6 +13,7 @@ from workers.assignment import Assignment
 from workers.checkpoint import Checkpoints
 from workers.cohort import Cohort
 from workers.fingerprint import fingerprint
+from workers.place import Place
 from workers.progress import Activity, Progress
 from workers.random_play import measure_random_return as measure
 from workers.run_spec import RunSpec, shared_cell
@@ -39,7 +39,7 @@ def build_learner(specs: Sequence[RunSpec]) -> Learner:
 
 def execute(
     runs: Sequence[Assignment],
-    checkpoints: Path,
+    checkpoints: Place,
     dropped: Callable[[], Collection[int]],
     on_abandoned: Callable[[], None],
     *,
@@ -48,7 +48,7 @@ def execute(
 ) -> Generator[Progress, None, None]:
     """Train a cohort and yield its progress about once a second, the last one when all has ended.
 
-    Runs that have checkpoints below that folder are taken up there; the first progress that has
+    Runs that have checkpoints in that place are taken up there; the first progress that has
     the fingerprint says so. Closing the generator stops the training.
 
     `dropped` names the seeds to stop training; it is asked before every cycle. `on_abandoned` is

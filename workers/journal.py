@@ -8,13 +8,12 @@ appends to can be read by its successor.
 """
 
 import hashlib
-import os
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
 from algorithms.state import State
-from workers.sealed_file import DamagedError, packed, read_bytes, unpacked
+from workers.folder import Folder
+from workers.sealed_file import DamagedError, packed, read_damage, unpacked
 
 LENGTH_SIZE = 8
 
@@ -31,35 +30,31 @@ class Beginning:
 class Journal:
     """The journal of one attempt, which nobody else writes to."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, folder: Folder, name: str) -> None:
         """Write nothing yet."""
-        self._path = path
+        self._folder = folder
+        self._name = name
         self._size = 0
         self._hash = hashlib.sha256()
 
     def append(self, arrays: State) -> None:
-        """Append a piece and bring it to the disk. Raises OSError; it is as before then."""
+        """Append a piece. Raises OSError; it is as before then."""
         payload = packed(arrays)
         piece = len(payload).to_bytes(LENGTH_SIZE, "little") + payload
-        descriptor = os.open(self._path, os.O_CREAT | os.O_WRONLY, 0o600)
-        with open(descriptor, "wb") as file:
-            file.truncate(self._size)  # an earlier try may have left a part of its piece
-            file.seek(self._size)
-            file.write(piece)
-            file.flush()
-            os.fsync(descriptor)
+        self._folder.append(self._name, self._size, piece)
         self._size += len(piece)
         self._hash.update(piece)
 
     def so_far(self) -> list[Beginning]:
         """All of it, to refer to; nothing while it is empty."""
-        whole = Beginning(self._path.name, self._size, self._hash.hexdigest())
+        whole = Beginning(self._name, self._size, self._hash.hexdigest())
         return [whole] if self._size else []
 
 
-def pieces(folder: Path, beginning: Beginning) -> Iterator[State]:
-    """The pieces that were appended, in their order. Raises DamagedError."""
-    content = read_bytes(folder / beginning.file)[: beginning.size]
+def pieces(folder: Folder, beginning: Beginning) -> Iterator[State]:
+    """The pieces that were appended, in their order. Raises DamagedError, UnavailableError."""
+    with read_damage(beginning.file):
+        content = folder.read_beginning(beginning.file, beginning.size)
     if hashlib.sha256(content).hexdigest() != beginning.digest:
         raise DamagedError(f"hash mismatch of {beginning.file}")
     start = 0

@@ -26,6 +26,7 @@ from typing import Any
 
 from workers.log_tail import log_tail
 from workers.outbox import read_spool
+from workers.place import Place
 from workers.pool import PoolUnavailableError
 from workers.pool_environment import pool_environment
 from workers.process_group import kill_group, runs_with, wait_for_end
@@ -45,13 +46,13 @@ class PoolSettings:
     workers      local worker slots; of no account with an address
     ray_address  a cluster to join; empty: a local one, made and ended with the pool
     data_dir     takes the token file, the logs and the spools
-    checkpoints  folder of the runs' checkpoints
+    checkpoints  where the workers keep them: a folder, as they see it, or s3://bucket/prefix
     """
 
     workers: int
     ray_address: str
     data_dir: Path
-    checkpoints: Path
+    checkpoints: Place
 
 
 class PoolProcess:
@@ -163,7 +164,7 @@ class PoolProcess:
                     f"--workers={self._settings.workers}",
                     f"--address={self._settings.ray_address}",
                     f"--logs={logs.resolve()}",
-                    f"--checkpoints={self._settings.checkpoints.resolve()}",
+                    f"--checkpoints={self._settings.checkpoints}",
                     f"--spool={spool}",
                     f"--scratch={self._scratch}",
                 ],
@@ -221,6 +222,7 @@ class PoolProcess:
             "scratch": self._scratch,
             "workers": self._settings.workers,
             "ray_address": self._settings.ray_address,
+            "checkpoints": str(self._settings.checkpoints),
         }
 
     def _read_spools(self) -> None:

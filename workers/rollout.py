@@ -1,6 +1,5 @@
 """Rollout: an episode of what a run has learned, as data to draw and play."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from physics.film import film
 from workers.checkpoint import find_snapshot
 from workers.critic_surface import SURFACE_TASK, critic_surface, discount_of
 from workers.episode import play
+from workers.place import Place
 from workers.run_spec import RunSpec
 from workers.start_error import StartError
 
@@ -32,7 +32,7 @@ OTHER_STEP_SECONDS = 1 / 30
 
 
 def rollout(
-    checkpoints: Path, run_id: str, spec: RunSpec, start: list[float] | int
+    checkpoints: Place, run_id: str, spec: RunSpec, start: list[float] | int
 ) -> dict[str, Any] | None:
     """Play a run's policy from a start state [n], or from the task's start of a seed.
 
@@ -42,6 +42,7 @@ def rollout(
     Raises:
         StartError: for a state that is none of the task's.
         DamagedError: where what was learned cannot be read.
+        UnavailableError: where the place of the checkpoints cannot be had.
     """
     snapshot = find_snapshot(checkpoints, run_id)
     if snapshot is None:

@@ -2,19 +2,19 @@
 
     SHA-256 of the payload in hexadecimal, a line feed, the payload
 
-A file is written under another name, brought to the disk, and then renamed, so that its name never
-stands for half of it, whenever the power goes. Payloads are text or arrays (`numpy.savez`, which
-takes no objects: nothing is ever unpickled).
+The folder sees to the first, the digest to the second. Payloads are text or arrays (`numpy.savez`,
+which takes no objects: nothing is ever unpickled).
 """
 
 import hashlib
 import io
-import os
-from pathlib import Path
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
 
 from algorithms.state import State
+from workers.folder import Folder, UnavailableError
 
 DIGEST_SIZE = 64
 
@@ -23,51 +23,33 @@ class DamagedError(ValueError):
     """A file is not what was written; its text says how it can be told."""
 
 
-def write(path: Path, payload: bytes) -> None:
-    """Write a sealed file. The folder is yet to be brought to the disk.
-
-    Raises OSError, and leaves nothing behind then.
-    """
+def write(folder: Folder, name: str, payload: bytes) -> None:
+    """Write a sealed file. Raises OSError."""
     digest = hashlib.sha256(payload).hexdigest()
-    unfinished = path.with_name(f"{path.name}.unfinished")
-    try:
-        with unfinished.open("wb") as file:
-            file.write(digest.encode() + b"\n")
-            file.write(payload)
-            file.flush()
-            os.fsync(file.fileno())
-        unfinished.replace(path)
-    except OSError:
-        unfinished.unlink(missing_ok=True)
-        raise
+    folder.write(name, digest.encode() + b"\n" + payload)
 
 
-def read(path: Path) -> bytes:
-    """Read the payload of a sealed file. Raises DamagedError."""
-    sealed = read_bytes(path)
+def read(folder: Folder, name: str) -> bytes:
+    """Read the payload of a sealed file. Raises DamagedError, UnavailableError."""
+    with read_damage(name):
+        sealed = folder.read(name)
     noted, payload = sealed[:DIGEST_SIZE], sealed[DIGEST_SIZE + 1 :]
     if noted != hashlib.sha256(payload).hexdigest().encode():
-        raise DamagedError(f"hash mismatch of {path.name}")
+        raise DamagedError(f"hash mismatch of {name}")
     return payload
 
 
-def read_bytes(path: Path) -> bytes:
-    """Read a file. Raises DamagedError where it is missing or the disk fails."""
+@contextmanager
+def read_damage(name: str) -> Iterator[None]:
+    """Raise DamagedError where a file that is being read is missing or the disk fails."""
     try:
-        return path.read_bytes()
+        yield
+    except UnavailableError:
+        raise
     except FileNotFoundError:
-        raise DamagedError(f"{path.name} is missing") from None
+        raise DamagedError(f"{name} is missing") from None
     except OSError as error:
-        raise DamagedError(f"{path.name} cannot be read: {error.strerror}") from error
-
-
-def bring_to_disk(folder: Path) -> None:
-    """Make sure that the names in a folder survive a power cut."""
-    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
+        raise DamagedError(f"{name} cannot be read: {error.strerror}") from error
 
 
 def packed(arrays: State) -> bytes:

@@ -22,6 +22,7 @@ from service.schemas.readiness_answer import ReadinessAnswer
 from service.settings import Settings
 from service.store.connection import check_sqlite, connect
 from service.store.refusal import MissingDriverError, UnsafeSQLiteError
+from workers.place import Place, folder_in
 
 Verdict = Literal["ok", "warning", "failed"]
 
@@ -55,6 +56,7 @@ def examine() -> Iterator[Finding]:
         yield from unreadable(error)
         return
     yield check_disk(settings.data_dir)
+    yield check_checkpoints(settings.checkpoint_place)
     yield check_token(settings.data_dir / "token")
     yield check_database(settings.store_url)
     yield check_port(settings)
@@ -128,6 +130,16 @@ def check_disk(data_dir: Path) -> Finding:
     return Finding(
         "disk", "ok" if free >= SCARCE else "warning", found, "" if free >= SCARCE else advice
     )
+
+
+def check_checkpoints(place: Place) -> Finding:
+    """Whether the place of the checkpoints can be looked into."""
+    try:
+        folder_in(place, "d3pg-doctor").names()
+    except OSError as trouble:
+        advice = "Runs train meanwhile, but from the start again where they are interrupted."
+        return Finding("checkpoints", "failed", f"{place}: {trouble.strerror}", advice)
+    return Finding("checkpoints", "ok", f"{place} can be looked into from here")
 
 
 def check_token(file: Path) -> Finding:

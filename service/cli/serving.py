@@ -13,6 +13,7 @@ SERVE_FLAGS = {
     "host": "D3PG_HOST",
     "port": "D3PG_PORT",
     "data_dir": "D3PG_DATA_DIR",
+    "checkpoints": "D3PG_CHECKPOINTS",
     "database_url": "D3PG_DATABASE_URL",
     "ray_address": "D3PG_RAY_ADDRESS",
     "workers": "D3PG_WORKERS",
@@ -26,6 +27,9 @@ def serve(
     host: Annotated[str | None, typer.Option(help="Address to bind; 127.0.0.1 if unset.")] = None,
     port: Annotated[int | None, typer.Option(help="Port; 8000 if unset.")] = None,
     data_dir: Annotated[Path | None, typer.Option(help="Database, token, logs.")] = None,
+    checkpoints: Annotated[
+        str | None, typer.Option(help="Another folder for them, or s3://bucket/prefix.")
+    ] = None,
     database_url: Annotated[str | None, typer.Option(help="Another database.")] = None,
     ray_address: Annotated[str | None, typer.Option(help="A Ray cluster to join.")] = None,
     workers: Annotated[int | None, typer.Option(help="Local worker slots; the cores.")] = None,

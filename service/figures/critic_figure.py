@@ -7,7 +7,6 @@ single run, the first by seed: a mean of critics would be nobody's critic.
 
 import textwrap
 from collections.abc import Sequence
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -35,6 +34,7 @@ from workers.critic_surface import (
     critic_surface,
     discount_of,
 )
+from workers.place import Place
 
 WIDTH_INCHES = 11.0
 ROW_INCHES = 1.9
@@ -68,17 +68,18 @@ class Learner(NamedTuple):
     """[p, k], Q* at the run's discount."""
 
 
-def draw(title: str, rows: Sequence[Comparison], form: Form, checkpoints: Path) -> bytes:
+def draw(title: str, rows: Sequence[Comparison], form: Form, checkpoints: Place) -> bytes:
     """Return the figure as a file's bytes, of the learners in the one row (return_mean).
 
-    Raises DamagedError where what was learned cannot be read.
+    Raises DamagedError where what was learned cannot be read, UnavailableError where its place
+    cannot be had.
     """
     [returns] = rows
     learners = [_learner(one, checkpoints) for panel in returns.panels for one in panel.curves]
     return picture(lambda: _figure(title, returns, learners), form)
 
 
-def _learner(one: LabelledCurve, checkpoints: Path) -> Learner:
+def _learner(one: LabelledCurve, checkpoints: Place) -> Learner:
     """Read what the curve's first run has learned."""
     first = min(one.seeds, key=lambda seed: seed.seed)
     task, gamma = physics.make(SURFACE_TASK), discount_of(one.spec)

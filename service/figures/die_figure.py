@@ -7,7 +7,6 @@ draws, so that none is picked for what it shows.
 import textwrap
 from collections.abc import Sequence
 from itertools import pairwise
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +23,7 @@ from service.figures.figure_form import Form
 from service.figures.picture import picture, printable
 from workers.checkpoint import find_snapshot
 from workers.episode import Episode, play
+from workers.place import Place
 
 DIE_TASK = "RollingDie"
 STARTS = (0, 1, 2)
@@ -55,10 +55,11 @@ class Learner(NamedTuple):
     thrown: Sequence[Thrown]
 
 
-def draw(title: str, rows: Sequence[Comparison], form: Form, checkpoints: Path) -> bytes:
+def draw(title: str, rows: Sequence[Comparison], form: Form, checkpoints: Place) -> bytes:
     """Return the figure as a file's bytes, of the learners in the one row (raw return_history).
 
-    Raises DamagedError where what was learned cannot be read.
+    Raises DamagedError where what was learned cannot be read, UnavailableError where its place
+    cannot be had.
     """
     [histories] = rows
     learners = [_best(one, checkpoints) for panel in histories.panels for one in panel.curves]
@@ -71,7 +72,7 @@ def bounces(touching: Sequence[int]) -> list[int]:
     return [*touching[:1], *(step for before, step in pairwise(touching) if step - before > apart)]
 
 
-def _best(one: LabelledCurve, checkpoints: Path) -> Learner:
+def _best(one: LabelledCurve, checkpoints: Place) -> Learner:
     """Play what the best run of a curve has learned."""
     best = max(one.seeds, key=lambda seed: (_last_finite(seed.values), -seed.seed))
     task, snapshot = physics.make(DIE_TASK), find_snapshot(checkpoints, best.run_id)

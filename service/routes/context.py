@@ -1,7 +1,6 @@
 """What routes are given: store, event feed, dispatcher; the sweep or run of their path."""
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Annotated, Protocol
 
 from fastapi import Depends, Request
@@ -13,6 +12,7 @@ from service.run import Run
 from service.side_process import Side
 from service.store.store import Store
 from service.sweep import Sweep
+from workers.place import Place
 
 MAX_ID = 64
 
@@ -44,8 +44,8 @@ def _dispatcher(request: Request) -> Dispatcher:
     return dispatcher
 
 
-def _checkpoints(request: Request) -> Path:
-    checkpoints: Path = request.app.state.checkpoints
+def _checkpoints(request: Request) -> Place:
+    checkpoints: Place = request.app.state.checkpoints
     return checkpoints
 
 
@@ -59,7 +59,7 @@ def _side(request: Request) -> Side:
     return side
 
 
-TheCheckpoints = Annotated[Path, Depends(_checkpoints)]
+TheCheckpoints = Annotated[Place, Depends(_checkpoints)]
 TheSide = Annotated[Side, Depends(_side)]
 TheStore = Annotated[Store, Depends(_store)]
 TheEventFeed = Annotated[EventFeed, Depends(_event_feed)]

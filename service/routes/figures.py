@@ -4,7 +4,6 @@ They are drawn in a process beside the service: a figure of many panels takes se
 """
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Response
@@ -17,6 +16,8 @@ from service.routes.context import TheCheckpoints, TheSide, TheStore, TheSweep
 from service.routes.curves import BandQuery, compared
 from service.routes.revalidation import RevalidatedRoute
 from service.side_process import BusyError, Side, TooSlowError
+from workers.folder import UnavailableError
+from workers.place import Place
 from workers.sealed_file import DamagedError
 
 router = APIRouter(prefix="/sweeps/{sweep_id}", tags=["curves"], route_class=RevalidatedRoute)
@@ -84,11 +85,13 @@ def _refuse_more_curves(rows: Sequence[Comparison], most: int) -> None:
 
 
 def _drawn(
-    side: Side, draw: str, title: str, rows: Sequence[Comparison], form: Form, *policies: Path
+    side: Side, draw: str, title: str, rows: Sequence[Comparison], form: Form, *policies: Place
 ) -> Response:
     """Draw. Raises ImpossibleMove for damaged files, Busy."""
     try:
         picture = side.call(draw, title, rows, form, *policies)
+    except UnavailableError as trouble:
+        raise Busy(f"What runs learned cannot be read now: {trouble.strerror}.") from trouble
     except DamagedError as damage:
         raise ImpossibleMove(f"What a run has learned cannot be read: {damage}.") from damage
     except (BusyError, TooSlowError, EOFError) as error:

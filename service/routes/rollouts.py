@@ -1,7 +1,6 @@
 """Rollouts: a run's policy acting in its task, played in the process beside the service."""
 
 import json
-from pathlib import Path
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Response
@@ -12,6 +11,8 @@ from service.routes.context import TheCheckpoints, TheRun, TheSide, TheStore, fi
 from service.run import Run
 from service.schemas.rollout_answer import RolloutAnswer, RolloutQuery, RolloutRequest
 from service.side_process import BusyError, Side, TooSlowError
+from workers.folder import UnavailableError
+from workers.place import Place
 from workers.sealed_file import DamagedError
 from workers.start_error import StartError
 
@@ -41,12 +42,16 @@ def play_rollout(
     return _played(find_run(request.run, store), list(request.start), checkpoints, side)
 
 
-def _played(run: Run, start: list[float] | int, checkpoints: Path, side: Side) -> Response:
+def _played(run: Run, start: list[float] | int, checkpoints: Place, side: Side) -> Response:
     _refuse_another_version(run)
     try:
         answer = side.call("workers.rollout:rollout", checkpoints, run.id, run.spec, start)
     except StartError as refusal:
         raise InvalidRequest([Fault("start", str(refusal))]) from refusal
+    except UnavailableError as trouble:
+        raise Busy(
+            f"What run {run.id} learned cannot be read now: {trouble.strerror}."
+        ) from trouble
     except DamagedError as damage:
         raise ImpossibleMove(f"What run {run.id} learned cannot be read: {damage}.") from damage
     except (BusyError, TooSlowError, EOFError) as error:

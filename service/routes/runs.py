@@ -3,6 +3,7 @@
 from typing import Annotated
 
 import numpy as np
+import structlog
 from fastapi import APIRouter, Query, Request, Response
 from pydantic import Field
 
@@ -16,6 +17,7 @@ from service.store.run_order import By, RunOrder
 from workers.checkpoint_folder import has_policy
 
 router = APIRouter(tags=["runs"])
+log = structlog.get_logger(__name__)
 
 
 class RunQuery(PageQuery):
@@ -61,7 +63,12 @@ def list_runs(
 def get_run(run: TheRun, checkpoints: TheCheckpoints) -> RunAnswer:
     """Show a run; its links have `rollout` where it has learned something to act with."""
     answer = RunAnswer.of(run)
-    if has_policy(checkpoints, run.id):
+    try:
+        can_act = has_policy(checkpoints, run.id)
+    except OSError as trouble:
+        log.warning("whether a run has a policy cannot be seen", reason=trouble.strerror)
+        can_act = False
+    if can_act:
         answer.links["rollout"] = f"{answer.links['self']}/rollout"
     return answer
 

@@ -55,6 +55,8 @@ def test_a_bound_address_is_an_allowed_host() -> None:
         ("D3PG_HOST", "192.168.1.5", "D3PG_ALLOW_HOST"),
         ("D3PG_TOKEN", "short", "16 characters"),
         ("D3PG_PORT", "70000", "65535"),
+        ("D3PG_CHECKPOINTS", "gs://runs", "s3://BUCKET/PREFIX"),
+        ("D3PG_CHECKPOINTS", "s3://KEY:SECRET@runs", "AWS_ACCESS_KEY_ID"),
         ("D3PG_WORKERS", "0", "greater than or equal to 1"),
         ("D3PG_WORKER_MEMORY", "10kB", "greater than or equal to 1048576"),
         ("D3PG_WORKER_MEMORY", "much", "byte"),
@@ -71,6 +73,18 @@ def test_refusals_say_what_to_do(
 def test_the_token_is_not_printed() -> None:
     settings = Settings.model_validate({"token": "a-secret-token-of-tests"})
     assert "a-secret-token" not in repr(settings)
+
+
+def test_checkpoints_lie_in_the_data_directory_or_where_they_are_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert Settings(data_dir=tmp_path).checkpoint_place == tmp_path / "checkpoints"
+    for text, found in (
+        ("/mnt/shared", Path("/mnt/shared")),
+        ("s3://runs/lab/", "s3://runs/lab"),
+    ):
+        monkeypatch.setenv("D3PG_CHECKPOINTS", text)
+        assert Settings(data_dir=tmp_path).checkpoint_place == found
 
 
 def test_sqlite_lies_in_the_data_directory(tmp_path: Path) -> None:

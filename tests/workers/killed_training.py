@@ -23,13 +23,14 @@ from algorithms.state import State
 from workers import cadence
 from workers.assignment import Assignment
 from workers.execute import build_learner, execute
+from workers.place import Place
 from workers.run_spec import RunSpec
 
 REDRAWN = 3
 """Trials are drawn so often, until enough of them were killed alive, twice."""
 
 
-def train(specs: Sequence[RunSpec], root: Path, attempt: int, result: Path) -> None:
+def train(specs: Sequence[RunSpec], root: Place, attempt: int, result: Path) -> None:
     """Train a cohort to its end, and write where it began and the digest of all it came to."""
     learners: dict[int, Learner] = {}
 
@@ -72,7 +73,7 @@ def die_at_random(draw: random.Random, pid: int, seconds: float) -> bool:
     return os.WIFSIGNALED(status)
 
 
-def fork(specs: Sequence[RunSpec], root: Path, attempt: int, result: Path) -> int:
+def fork(specs: Sequence[RunSpec], root: Place, attempt: int, result: Path) -> int:
     """Start an attempt; its process id."""
     if pid := os.fork():
         return pid
@@ -82,8 +83,11 @@ def fork(specs: Sequence[RunSpec], root: Path, attempt: int, result: Path) -> in
         os._exit(0 if result.exists() else 1)
 
 
-def main(algorithm: str, environment: str, timesteps: int, trials: int) -> None:
-    """Kill each trial twice, alive, and print what came of them all."""
+def main(algorithm: str, environment: str, timesteps: int, trials: int, place: str) -> None:
+    """Kill each trial twice, alive, and print what came of them all.
+
+    Their checkpoints lie below the place; those of runs that are not killed, on this disk.
+    """
     cadence.SHORTEST_SECONDS, cadence.SHARE = 0.0, math.inf
     specs = [RunSpec(algorithm, environment, seed, (0.0, 0.0), timesteps) for seed in (0, 1)]
     if algorithm.startswith("hybrid"):
@@ -99,7 +103,7 @@ def main(algorithm: str, environment: str, timesteps: int, trials: int) -> None:
         killed = equal = resumed = drawn = 0
         while killed < trials and drawn < REDRAWN * trials:
             drawn += 1
-            root, result = scratch / f"{drawn}", scratch / f"{drawn}.json"
+            root, result = f"{place or folder}/{drawn}", scratch / f"{drawn}.json"
             if not all(
                 die_at_random(draw, fork(specs, root, attempt, result), seconds)
                 for attempt in (1, 2)
@@ -115,4 +119,4 @@ def main(algorithm: str, environment: str, timesteps: int, trials: int) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], sys.argv[2], int(sys.argv[3]), int(sys.argv[4]))
+    main(sys.argv[1], sys.argv[2], int(sys.argv[3]), int(sys.argv[4]), sys.argv[5])

@@ -12,11 +12,13 @@ from pathlib import Path
 
 import pytest
 
+from tests.object_store import ObjectStore
 from tests.workers.fake_learner import CYCLE, FakeLearner, measurement_of
-from workers import cadence, cohort, sealed_file
+from workers import bucket, cadence, cohort, sealed_file
 from workers import execute as module
 from workers.assignment import Assignment
 from workers.execute import execute
+from workers.place import Place
 from workers.progress import Activity, Progress, Resumption
 from workers.random_play import measure_random_return
 from workers.run_spec import RunSpec
@@ -229,7 +231,7 @@ def cut_at(cycle: int) -> Before:
 
 
 def attempts_of(
-    root: Path, cuts: Sequence[int], specs: Sequence[RunSpec] = SPECS, *, is_last: bool = True
+    root: Place, cuts: Sequence[int], specs: Sequence[RunSpec] = SPECS, *, is_last: bool = True
 ) -> list[list[Progress]]:
     """What is said in one attempt after the other, each cut before a cycle, the last one not."""
     befores = [*map(cut_at, cuts), *([lambda _: ()] if is_last else [])]
@@ -251,8 +253,8 @@ def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("hasty")
-def test_a_run_is_taken_up_at_its_checkpoint_with_all_it_had_measured(tmp_path: Path) -> None:
-    first, second, third = attempts_of(tmp_path, [4, 7])
+def test_a_run_is_taken_up_at_its_checkpoint_with_all_it_had_measured(place: Place) -> None:
+    first, second, third = attempts_of(place, [4, 7])
     assert [r.timestep for p in first for r in p.resumed] == [0, 0, 0]
     assert {c.timestep for p in first for c in p.checkpoints} == {100, 200, 300, 400}
     for said, timestep in ((second, 400), (third, 700)):
@@ -288,7 +290,7 @@ def test_a_run_that_waits_for_its_group_can_be_dropped(tmp_path: Path) -> None:
 def test_a_checkpoint_that_does_not_fit_is_told_and_training_goes_on(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def full(path: Path, payload: bytes) -> str:
+    def full(*_: object) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     monkeypatch.setattr(sealed_file, "write", full)
@@ -296,3 +298,39 @@ def test_a_checkpoint_that_does_not_fit_is_told_and_training_goes_on(
     assert [seed for p in said for seed in p.finished] == [3, 5, 8]
     problems = {c.problem for p in said for c in p.checkpoints if c.timestep == 300}
     assert problems == {"its checkpoint of step 300 could not be written: No space left on device"}
+
+
+@pytest.mark.usefixtures("hasty", "fresh_clients")
+def test_a_bucket_that_is_gone_for_a_while_is_told_and_costs_its_checkpoints_alone(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    store = ObjectStore()
+    store.start()
+    for name, value in store.environment.items():
+        monkeypatch.setenv(name, value)
+    monkeypatch.setattr(bucket, "SILENCE_SECONDS", 0.0)
+    url = store.new_bucket()
+
+    def stop_and_start(timestep: int) -> Collection[int]:
+        if timestep == 2 * CYCLE:
+            store.stop()
+        if timestep == 3 * CYCLE:
+            store.start()
+        return cut_at(5)(timestep)
+
+    said: list[Progress] = []
+    build = partial(FakeLearner, before_cycle=stop_and_start)
+    with suppress(CutError):
+        said.extend(execute(RUNS, url, tuple, never, build_learner=build))
+    problems = {(c.timestep, c.problem) for p in said for c in p.checkpoints}
+    assert {(timestep, problem.partition(":")[0]) for timestep, problem in problems} == {
+        *((timestep, "") for timestep in (100, 200, 400, 500)),
+        (300, "its checkpoint of step 300 could not be written"),
+    }
+    assert all("AWS_ENDPOINT_URL" in problem for _, problem in problems if problem)
+    second = [Assignment(f"run-{spec.seed}", 2, spec) for spec in SPECS]
+    said = list(execute(second, url, tuple, never, build_learner=FakeLearner))
+    assert {r.timestep for p in said for r in p.resumed} == {500}
+    for spec in SPECS:
+        assert points(said, spec.seed) == list(range(CYCLE, TIMESTEPS + 1, CYCLE))
+    store.stop()

@@ -19,18 +19,31 @@ USUAL = 4_800
 @pytest.mark.timeout(1800)
 @pytest.mark.parametrize("algorithm", catalogue.OWN)
 def test_killed_twice_it_ends_with_the_same_bits(algorithm: str) -> None:
+    found = killed(algorithm, TRIALS)
+    assert found["equal"] == found["killed"] == TRIALS
+    assert found["resumed"] >= 0.9 * TRIALS, "too many were killed before their first checkpoint"
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
+def test_its_checkpoints_may_lie_in_a_bucket(bucket: str) -> None:
+    found = killed("hybrid-ddpg", 3, f"{bucket}/kills")
+    assert found["equal"] == found["killed"] == 3
+    assert found["resumed"] >= 1
+
+
+def killed(algorithm: str, trials: int, place: str = "") -> dict[str, int]:
+    """What came of so many trials, `killed` of them alive."""
     timesteps = TIMESTEPS.get(algorithm, USUAL)
     told = subprocess.run(
         [
             *(sys.executable, "-m", "tests.workers.killed_training"),
-            *(algorithm, "Pendulum", str(timesteps), str(TRIALS)),
+            *(algorithm, "Pendulum", str(timesteps), str(trials), place),
         ],
         env=os.environ | {"PYTHONPATH": os.getcwd()},
         stdout=subprocess.PIPE,
         text=True,
         check=True,
     )
-    found = json.loads(told.stdout.strip().splitlines()[-1])
-    assert found["killed"] == TRIALS, "too many had ended before they could be killed"
-    assert found["equal"] == TRIALS
-    assert found["resumed"] >= 0.9 * TRIALS, "too many were killed before their first checkpoint"
+    found: dict[str, int] = json.loads(told.stdout.strip().splitlines()[-1])
+    return found

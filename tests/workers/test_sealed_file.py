@@ -15,57 +15,53 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from workers import sealed_file
-from workers.sealed_file import DamagedError
+from workers.disk_folder import DiskFolder
+from workers.folder import UnreachableError
+from workers.sealed_file import DamagedError, read_damage
 
 PAYLOAD = bytes(range(256)) * 3
 
 
 def test_gives_back_what_was_written(tmp_path: Path) -> None:
-    path = tmp_path / "file"
-    sealed_file.write(path, PAYLOAD)
-    assert sealed_file.read(path) == PAYLOAD
+    folder = DiskFolder(tmp_path)
+    sealed_file.write(folder, "file", PAYLOAD)
+    assert sealed_file.read(folder, "file") == PAYLOAD
     assert [entry.name for entry in tmp_path.iterdir()] == ["file"]
 
 
 def test_cut_anywhere_it_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "file"
-    sealed_file.write(path, PAYLOAD)
+    folder, path = DiskFolder(tmp_path), tmp_path / "file"
+    sealed_file.write(folder, "file", PAYLOAD)
     whole = path.read_bytes()
     for size in range(len(whole)):
         path.write_bytes(whole[:size])
         with pytest.raises(DamagedError, match="hash mismatch of file"):
-            sealed_file.read(path)
+            sealed_file.read(folder, "file")
 
 
 def test_with_a_bit_flipped_anywhere_it_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "file"
-    sealed_file.write(path, PAYLOAD)
+    folder, path = DiskFolder(tmp_path), tmp_path / "file"
+    sealed_file.write(folder, "file", PAYLOAD)
     whole = path.read_bytes()
     for place in [*range(sealed_file.DIGEST_SIZE), *range(sealed_file.DIGEST_SIZE + 1, len(whole))]:
         path.write_bytes(whole[:place] + bytes([whole[place] ^ 4]) + whole[place + 1 :])
         with pytest.raises(DamagedError, match="hash mismatch of file"):
-            sealed_file.read(path)
+            sealed_file.read(folder, "file")
 
 
 def test_what_is_missing_is_damaged(tmp_path: Path) -> None:
     with pytest.raises(DamagedError, match="other is missing"):
-        sealed_file.read(tmp_path / "other")
+        sealed_file.read(DiskFolder(tmp_path), "other")
 
 
-def test_a_failed_write_leaves_the_file_and_no_other(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    sealed_file.write(tmp_path / "file", PAYLOAD)
-
-    def fail(descriptor: int) -> None:
+def test_what_cannot_be_read_is_damaged_but_not_where_its_place_cannot_be_had() -> None:
+    with (
+        pytest.raises(DamagedError, match="file cannot be read: Input/output error"),
+        read_damage("file"),
+    ):
         raise OSError(errno.EIO, os.strerror(errno.EIO))
-
-    with monkeypatch.context() as patched:
-        patched.setattr(os, "fsync", fail)
-        with pytest.raises(OSError, match="Input/output"):
-            sealed_file.write(tmp_path / "file", b"other")
-    assert sealed_file.read(tmp_path / "file") == PAYLOAD
-    assert [entry.name for entry in tmp_path.iterdir()] == ["file"]
+    with pytest.raises(UnreachableError), read_damage("file"):
+        raise UnreachableError(errno.EHOSTUNREACH, "the store does not answer")
 
 
 def test_arrays_survive_to_the_bit() -> None:

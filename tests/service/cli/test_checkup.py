@@ -9,6 +9,7 @@ from pydantic import SecretStr
 
 from service.cli import checkup
 from service.cli.checkup import (
+    check_checkpoints,
     check_database,
     check_disk,
     check_library,
@@ -20,6 +21,7 @@ from service.cli.checkup import (
 )
 from service.settings import Settings
 from service.store.store import Store
+from tests.object_store import SECRET
 from tests.service.conftest import TOKEN, FakeDispatcher
 from tests.service.served import served
 
@@ -53,6 +55,15 @@ def test_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert check_disk(tmp_path).verdict == "failed"
     (tmp_path / "file").touch()
     assert "cannot be written" in check_disk(tmp_path / "file").found
+
+
+def test_checkpoints(bucket: str, tmp_path: Path) -> None:
+    assert check_checkpoints(tmp_path / "not-made").verdict == "ok"
+    assert check_checkpoints(f"{bucket}/lab").verdict == "ok"
+    finding = check_checkpoints("s3://no-such-bucket")
+    assert finding.verdict == "failed"
+    assert "make it, or name another with D3PG_CHECKPOINTS" in finding.found
+    assert SECRET not in f"{finding}"
 
 
 def test_token(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ def run(service: Client) -> str:
 
 
 def test_a_gif_and_frames(d3pg: Command, run: str, settings: Settings, tmp_path: Path) -> None:
-    write_policy(settings.checkpoints, run, "MassPoint")
+    write_policy(settings.checkpoint_place, run, "MassPoint")
     file, folder = tmp_path / "episode.gif", tmp_path / "frames"
     said = d3pg("rollout", run, "-o", str(file)).stdout
     assert "in MassPoint: return" in said

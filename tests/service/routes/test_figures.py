@@ -1,6 +1,7 @@
 """Figures over REST: files with the same bytes each time, and those of the paper."""
 
 import xml.dom.minidom
+from pathlib import Path
 
 import pytest
 from fastapi import FastAPI
@@ -119,14 +120,15 @@ def test_a_figure_of_what_was_learned(
     assert nothing.status_code == 200, nothing.text
     train(store, 3, rising)
     for run in range(3):
-        write_policy(settings.checkpoints, f"{sweep['id']}-{run}", environment)
+        write_policy(settings.checkpoint_place, f"{sweep['id']}-{run}", environment)
     figure = client.get(f"{link}.svg")
     assert figure.status_code == 200, figure.text
     assert client.get(f"{link}.svg").content == figure.content
     said = texts(figure.content)
     for text in told:
         assert text in said
-    (file,) = settings.checkpoints.glob("*-2/policy" if number == "3" else "*-0/policy")
+    shown = "*-2" if number == "3" else "*-0"
+    (file,) = Path(settings.checkpoint_place).glob(f"{shown}/policy")
     file.write_bytes(file.read_bytes()[:-1])
     refusal = client.get(f"{link}.svg")
     assert refusal.status_code == 409

@@ -21,7 +21,7 @@ LINK = "/api/v1/rollouts"
 def run(client: TestClient, settings: Settings) -> str:
     """A run on Pendulum that has learned something."""
     run = unlearned(client)
-    write_policy(settings.checkpoints, run, "Pendulum")
+    write_policy(settings.checkpoint_place, run, "Pendulum")
     return run
 
 
@@ -75,11 +75,31 @@ def test_no_policy_yet_is_a_conflict(client: TestClient) -> None:
 
 
 def test_a_damaged_policy_is_said(client: TestClient, run: str, settings: Settings) -> None:
-    (file,) = (each for each in Path(settings.checkpoints).rglob("policy") if each.is_file())
+    (file,) = (each for each in Path(settings.checkpoint_place).rglob("policy") if each.is_file())
     file.write_bytes(file.read_bytes()[:-1])
     refusal = client.get(f"/api/v1/runs/{run}/rollout")
     assert refusal.status_code == 409
     assert "cannot be read" in refusal.json()["detail"]
+
+
+def test_where_its_place_cannot_be_had_it_says_why(
+    app: FastAPI, client: TestClient, run: str, bucket: str
+) -> None:
+    app.state.checkpoints = bucket.replace("d3pg", "no-such-bucket")
+    refusal = client.get(f"/api/v1/runs/{run}/rollout")
+    assert refusal.status_code == 503
+    assert "make it, or name another with D3PG_CHECKPOINTS" in refusal.json()["detail"]
+    shown = client.get(f"/api/v1/runs/{run}")
+    assert shown.status_code == 200
+    assert "rollout" not in shown.json()["links"]
+
+
+def test_a_policy_in_a_bucket_is_played(app: FastAPI, client: TestClient, bucket: str) -> None:
+    run = unlearned(client)
+    write_policy(f"{bucket}/lab", run, "Pendulum")
+    app.state.checkpoints = f"{bucket}/lab"
+    links = client.get(f"/api/v1/runs/{run}").json()["links"]
+    assert client.get(links["rollout"]).status_code == 200
 
 
 def test_an_unknown_run_is_not_there(client: TestClient) -> None:
