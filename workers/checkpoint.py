@@ -17,7 +17,7 @@ other libraries serves too, but the run's bits are then of two kinds, and it is 
 other code does not: nobody knows what that code would make of it.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -37,9 +37,10 @@ from workers.checkpoint_folder import (
     newest_first,
 )
 from workers.critic_surface import SURFACE_TASK
-from workers.folder import Folder, UnreachableError
+from workers.folder import Folder
 from workers.journal import Beginning, Journal, pieces
 from workers.manifest import Manifest, spec_digest
+from workers.patience import Patience, answered, without_patience
 from workers.place import Place, folder_in
 from workers.sealed_file import DamagedError
 
@@ -83,21 +84,13 @@ class Checkpoints:
         self._mixed_with: Sequence[str] = ()
         self._kept: list[str] = []  # the files of the last two, the newer one last
 
-    def find(self, patience: Callable[[], bool] = lambda: False) -> Found:
-        """Find the newest checkpoint that serves.
-
-        Where their place does not answer, it is asked again while there is patience.
-        """
-        while True:
-            try:
-                return self._find()
-            except UnreachableError as trouble:
-                if patience():
-                    continue
-                problem = trouble.strerror
-            except OSError as trouble:
-                problem = trouble.strerror
-            return Found(note=f"no checkpoint could be looked for ({problem}), {ANEW}")
+    def find(self, patience: Patience = without_patience) -> Found:
+        """Find the newest checkpoint that serves."""
+        try:
+            return answered(self._find, patience)
+        except OSError as trouble:
+            note = f"no checkpoint could be looked for ({trouble.strerror}), {ANEW}"
+            return Found(note=note)
 
     def _find(self) -> Found:
         problems: list[str] = []

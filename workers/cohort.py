@@ -19,13 +19,15 @@ from algorithms.learner import Learner
 from algorithms.measurement import Divergence, Measurement
 from workers.cadence import Cadence
 from workers.checkpoint import Checkpoints, Found
+from workers.patience import Patience, answered, without_patience
 from workers.progress import Activity, CheckpointAttempt, Progress, Resumption
 from workers.random_return import RandomReturn
 
 PATIENCE_SECONDS = 12.0
 """A worker whose news nobody collected for so long stops, before its lease of 15 s has ended."""
 OUTAGE_SECONDS = 60.0
-"""So long a worker looks for checkpoints in a place that does not answer; then it begins anew."""
+"""So long a worker asks a place that does not answer, for checkpoints or to leave there what was
+learned at the end; then it begins anew, or tells that it could not."""
 AGAIN_SECONDS = 2.0
 
 
@@ -134,11 +136,7 @@ class Cohort:
 
     def _find_checkpoints(self) -> dict[int, Found]:
         """Look where each run was left, and tell."""
-        given_up_at = time.monotonic() + OUTAGE_SECONDS
-
-        def patience() -> bool:
-            return not self._stopped.wait(AGAIN_SECONDS) and time.monotonic() < given_up_at
-
+        patience = self._patience()
         found = {seed: each.find(patience) for seed, each in self._checkpoints.items()}
         self._measured = {seed: [*each.measurements] for seed, each in found.items()}
         with self._lock:
@@ -195,18 +193,31 @@ class Cohort:
             self._news.checkpoints.append(CheckpointAttempt(seed, learner.timestep, problem))
         self._save_policy(learner, seed)
 
-    def _save_policy(self, learner: Learner, seed: int) -> None:
-        self._try_to_write(seed, learner, self._checkpoints[seed].save_policy)
+    def _save_policy(
+        self, learner: Learner, seed: int, patience: Patience = without_patience
+    ) -> None:
+        self._try_to_write(seed, learner, self._checkpoints[seed].save_policy, patience)
 
-    def _try_to_write(self, seed: int, learner: Learner, write: Callable[[Learner], None]) -> None:
+    def _try_to_write(
+        self,
+        seed: int,
+        learner: Learner,
+        write: Callable[[Learner], None],
+        patience: Patience = without_patience,
+    ) -> None:
         """Write what a run has learned, or tell why not."""
         try:
-            write(learner)
+            answered(partial(write, learner), patience)
         except OSError as error:
             problem = f"what it has learned could not be written: {error.strerror}"
             with self._lock:
                 attempt = CheckpointAttempt(seed, learner.timestep, problem)
                 self._news.checkpoints.append(attempt)
+
+    def _patience(self) -> Patience:
+        """As much as there is, from now on."""
+        given_up_at = time.monotonic() + OUTAGE_SECONDS
+        return lambda: not self._stopped.wait(AGAIN_SECONDS) and time.monotonic() < given_up_at
 
     def _is_abandoned(self) -> bool:
         with self._lock:
@@ -235,7 +246,8 @@ class Cohort:
             self._measured[entry.seed].append(entry)
         for seed in [*remaining, *finished]:
             self._try_to_write(seed, learner, self._checkpoints[seed].save_epoch)
-        self._at_once(partial(self._save_policy, learner), finished)
+        last = partial(self._save_policy, learner, patience=self._patience())
+        self._at_once(last, finished)
         with self._lock:
             self._news.measurements.extend(measured)
             self._news.diverged.extend(diverged)

@@ -86,7 +86,8 @@ def fork(specs: Sequence[RunSpec], root: Place, attempt: int, result: Path) -> i
 def main(algorithm: str, environment: str, timesteps: int, trials: int, place: str) -> None:
     """Kill each trial twice, alive, and print what came of them all.
 
-    Their checkpoints lie below the place; those of runs that are not killed, on this disk.
+    All checkpoints lie below the place but those of the run that compiles: forks and the threads of
+    a bucket's client do not go together.
     """
     cadence.SHORTEST_SECONDS, cadence.SHARE = 0.0, math.inf
     specs = [RunSpec(algorithm, environment, seed, (0.0, 0.0), timesteps) for seed in (0, 1)]
@@ -95,21 +96,22 @@ def main(algorithm: str, environment: str, timesteps: int, trials: int, place: s
     draw = random.Random(algorithm)  # noqa: S311
     with tempfile.TemporaryDirectory() as folder:
         scratch = Path(folder)
+        root = place or folder
         train(specs, scratch / "compiled", 1, scratch / "compiled.json")
         begun = time.monotonic()
-        os.waitpid(fork(specs, scratch / "whole", 1, scratch / "whole.json"), 0)
+        os.waitpid(fork(specs, f"{root}/whole", 1, scratch / "whole.json"), 0)
         seconds = time.monotonic() - begun
         whole = json.loads((scratch / "whole.json").read_text())
         killed = equal = resumed = drawn = 0
         while killed < trials and drawn < REDRAWN * trials:
             drawn += 1
-            root, result = f"{place or folder}/{drawn}", scratch / f"{drawn}.json"
+            trial, result = f"{root}/{drawn}", scratch / f"{drawn}.json"
             if not all(
-                die_at_random(draw, fork(specs, root, attempt, result), seconds)
+                die_at_random(draw, fork(specs, trial, attempt, result), seconds)
                 for attempt in (1, 2)
             ):
                 continue  # it had come to its end before it could be killed
-            os.waitpid(fork(specs, root, 3, result), 0)
+            os.waitpid(fork(specs, trial, 3, result), 0)
             end = json.loads(result.read_text())
             killed += 1
             equal += end["digest"] == whole["digest"]

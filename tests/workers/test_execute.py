@@ -10,14 +10,20 @@ from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from algorithms.policy import deterministic
+from algorithms.snapshot import Snapshot
 from tests.object_store import ObjectStore
 from tests.workers.fake_learner import CYCLE, FakeLearner, measurement_of
 from workers import bucket, cadence, cohort, sealed_file
 from workers import execute as module
 from workers.assignment import Assignment
+from workers.checkpoint import find_snapshot
+from workers.disk_folder import DiskFolder
 from workers.execute import execute
+from workers.folder import UnreachableError
 from workers.place import Place
 from workers.progress import Activity, Progress, Resumption
 from workers.random_play import measure_random_return
@@ -298,6 +304,33 @@ def test_a_checkpoint_that_does_not_fit_is_told_and_training_goes_on(
     assert [seed for p in said for seed in p.finished] == [3, 5, 8]
     problems = {c.problem for p in said for c in p.checkpoints if c.timestep == 300}
     assert problems == {"its checkpoint of step 300 could not be written: No space left on device"}
+
+
+def test_what_was_learned_by_the_end_is_left_where_its_place_answers_late(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cohort, "AGAIN_SECONDS", 0.001)
+    unit = np.ones(3, np.float32)
+    learned = Snapshot(TIMESTEPS, 8, 1, deterministic(unit, unit, unit, 1))
+    monkeypatch.setattr(FakeLearner, "snapshot", lambda self, seed: learned)
+    silences, write = [8], DiskFolder.write
+
+    def write_late(folder: DiskFolder, name: str, content: bytes) -> None:
+        if silences[0] == 0:
+            return write(folder, name, content)
+        silences[0] -= 1
+        raise UnreachableError(errno.EHOSTUNREACH, "the store does not answer")
+
+    monkeypatch.setattr(DiskFolder, "write", write_late)
+    [said] = attempts_of(tmp_path, [])
+    assert not any(c.problem for p in said for c in p.checkpoints)
+    assert all(find_snapshot(tmp_path, f"run-{spec.seed}") for spec in SPECS)
+    monkeypatch.setattr(cohort, "OUTAGE_SECONDS", 0.0)
+    silences[0] = 10**9
+    [said] = attempts_of(tmp_path, [])
+    assert {c.problem for p in said for c in p.checkpoints} == {
+        "what it has learned could not be written: the store does not answer"
+    }
 
 
 @pytest.mark.usefixtures("hasty", "fresh_clients")
