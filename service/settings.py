@@ -33,7 +33,11 @@ class Settings(BaseSettings):
     """
 
     model_config = SettingsConfigDict(
-        env_prefix="D3PG_", env_ignore_empty=True, extra="ignore", frozen=True
+        env_prefix="D3PG_",
+        env_ignore_empty=True,
+        extra="ignore",
+        frozen=True,
+        hide_input_in_errors=True,  # it may hold a secret
     )
 
     host: str = "127.0.0.1"

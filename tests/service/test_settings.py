@@ -66,8 +66,9 @@ def test_refusals_say_what_to_do(
     monkeypatch: pytest.MonkeyPatch, variable: str, value: str, says: str
 ) -> None:
     monkeypatch.setenv(variable, value)
-    with pytest.raises(ValidationError, match=says):
+    with pytest.raises(ValidationError, match=says) as refusal:
         Settings()
+    assert "SECRET@" not in str(refusal.value)
 
 
 def test_the_token_is_not_printed() -> None:
