@@ -1,8 +1,9 @@
 """Dispatch: between the queue in the store and the workers of a pool.
 
 One thread repeats a round: it gives the scheduler (`service/scheduler.py`) what the pool has
-reported, then a tick, and carries out what the scheduler commands. The store is the record; what
-is kept here can be lost at any time, and then every lease runs out and every run is claimed again.
+reported, then a tick, and carries out what the scheduler commands; what several workers said is
+written in one transaction. The store is the record; what is kept here can be lost at any time, and
+then every lease runs out and every run is claimed again.
 
 A command that the database refuses (a full disk) is tried again, and everything after it waits.
 """
@@ -14,6 +15,7 @@ from collections.abc import Callable
 
 import structlog
 
+from service.batch import next_together, take_next
 from service.claim import CellLimit, no_limit
 from service.metrics import DISPATCH_SECONDS
 from service.scheduler import DispatchTimes, State, step
@@ -128,8 +130,9 @@ class Dispatcher:
     def _take_in(self) -> None:
         """Give the scheduler what was reported; once it is recorded the pool need not keep it."""
         while self._events:
-            self._reports_in_hand += not isinstance(self._events[0], PoolLost)
-            self._advance(self._events.popleft())
+            taken = take_next(self._events)
+            self._reports_in_hand += sum(not isinstance(event, PoolLost) for event in taken)
+            self._advance(*taken)
             self._carry_out()
         if self._reports_in_hand and self._state.pool_is_up:
             self._pool.acknowledge(self._reports_in_hand)
@@ -146,22 +149,38 @@ class Dispatcher:
         except PoolUnavailableError as error:
             self._events.append(_pool_lost(error))
 
-    def _advance(self, event: Event) -> None:
-        self._state, commands = step(self._state, event, self._clock(), self._times)
+    def _advance(self, *events: Event) -> None:
+        """Have the scheduler take events into account; what it commands comes first."""
+        commands: list[Command] = []
+        for event in events:
+            self._state, more = step(self._state, event, self._clock(), self._times)
+            commands += more
         self._commands.extendleft(reversed(commands))
 
     def _carry_out(self) -> None:
-        """Carry out what was commanded. A command goes when it is done, an answer comes next."""
+        """Carry out what was commanded. Commands go when they are done, their answers come next."""
         while self._commands:
-            answer = self._do(self._commands[0])
-            self._commands.popleft()
-            if answer is not None:
-                self._advance(answer)
+            together = next_together(self._commands)
+            answers = self._do(together)
+            for _ in together:
+                self._commands.popleft()
+            self._advance(*answers)
 
-    def _do(self, command: Command) -> Event | None:
+    def _do(self, together: list[Command]) -> list[Event]:
+        records = [command for command in together if isinstance(command, Record)]
+        if records:
+            return self._record(records)
+        answer = self._do_one(together[0])
+        return [] if answer is None else [answer]
+
+    def _record(self, records: list[Record]) -> list[Event]:
+        held = self._store.record_all([(each.claim, each.news.progress) for each in records])
+        return [
+            Recorded(each.news, frozenset(runs)) for each, runs in zip(records, held, strict=True)
+        ]
+
+    def _do_one(self, command: Command) -> Event | None:
         match command:
-            case Record(claim, news):
-                return Recorded(news, frozenset(self._store.record(claim, news.progress)))
             case Lose(claim, reason, log_tail):
                 self._store.lose(claim, reason, log_tail)
             case Release(claim, reason):
@@ -172,8 +191,8 @@ class Dispatcher:
                 self._store.lose_expired()
             case AskCancelling():
                 return Cancelling(frozenset(self._store.cancelling_runs()))
-            case AskWaiting():
-                return self._count_waiting()
+            case AskWaiting(limit):
+                return self._count_waiting(limit)
             case ClaimCohort(worker, lease_seconds, limit):
                 found = self._store.claim_cohort(worker, lease_seconds, limit, self._limit_of)
                 return Claimed(worker, found)
@@ -187,8 +206,8 @@ class Dispatcher:
                 return self._start_pool()
         return None
 
-    def _count_waiting(self) -> Waiting:
-        waiting = self._store.waiting_runs()
+    def _count_waiting(self, limit: int) -> Waiting:
+        waiting = self._store.waiting_runs(limit)
         return Waiting(waiting, frozenset(self._store.random_returns() if waiting else ()))
 
     def _start_pool(self) -> PoolLost | None:

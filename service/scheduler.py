@@ -170,7 +170,7 @@ def _tick(state: State, now: float, times: DispatchTimes) -> Step:
         state = replace(state, expiry_at=now + times.expiry)
         commands.append(LoseExpired())
     if state.idle:
-        commands.append(AskWaiting())
+        commands.append(_ask_waiting(state))
     return replace(state, ticked_at=now), commands
 
 
@@ -244,7 +244,7 @@ def _pool_lost(state: State, lost: PoolLost, now: float, times: DispatchTimes) -
 def _cancel(state: State, runs: frozenset[str], now: float, times: DispatchTimes) -> Step:
     """Have cancelled runs dropped; end the workers that did not do so within the grace."""
     commands: list[Command] = []
-    for worker, cohort in state.cohorts.items():
+    for worker, cohort in state.cohorts.items() if runs else ():
         asked = {run.run_id: run.spec.seed for run in cohort.claim.runs if run.run_id in runs}
         if any(now - cohort.dropped.get(run, now) > times.grace for run in asked):
             state = _without(state, worker)
@@ -280,7 +280,12 @@ def _claimed(state: State, worker: str, claim: Claim | None, now: float) -> Step
     state = _with(state, worker, cohort)
     work = Work(cohort.name, claim.assignments, not is_known, note=claim.to_json())
     train = Train(worker, work)
-    return state, [train, AskWaiting()] if state.idle else [train]
+    return state, [train, _ask_waiting(state)] if state.idle else [train]
+
+
+def _ask_waiting(state: State) -> AskWaiting:
+    """Ask for as many as the idle workers could have."""
+    return AskWaiting(len(state.idle) * COHORT_LIMIT)
 
 
 # ---- changes of state

@@ -43,7 +43,7 @@ class Cancelling:
 
 @dataclass(frozen=True)
 class Waiting:
-    """How many runs could be claimed, and the environments whose random return is known."""
+    """How many runs could be claimed, as far as was asked, and whose random return is known."""
 
     runs: int
     random_returns: frozenset[Version]
@@ -109,7 +109,9 @@ class AskCancelling:
 
 @dataclass(frozen=True)
 class AskWaiting:
-    """Answer: Waiting."""
+    """Count no more runs than that. Answer: Waiting."""
+
+    limit: int
 
 
 @dataclass(frozen=True)

@@ -5,12 +5,15 @@ instant. Every later write under the claim picks its runs by attempt and status,
 that was given up changes nothing (fencing), and no run that has ended changes again.
 """
 
+from collections.abc import Sequence
+from itertools import chain
 from typing import Any
 
 from sqlalchemy import (
     Connection,
     Row,
     Select,
+    bindparam,
     exists,
     func,
     insert,
@@ -27,6 +30,12 @@ from service.store.tables import attempts, is_queued, is_running, runs, sweeps
 
 is_waiting = is_queued & (runs.c.not_before <= now())
 has_ended = is_running & (runs.c.lease_until < now())
+
+# Of statements that take many runs at once.
+of_run = runs.c.number == bindparam("of_run")
+of_attempt = (attempts.c.run_number == bindparam("of_run")) & (
+    attempts.c.attempt == bindparam("of_attempt")
+)
 
 ALONE_AFTER = 2
 """A run that lost this many workers in a row trains alone, so as to take no neighbour with it."""
@@ -125,35 +134,50 @@ def _cohort(connection: Connection, sweep_number: int, limit: CellLimit) -> list
     return list(connection.scalars(query))
 
 
-def held_runs(connection: Connection, claim: Claim) -> dict[str, Row[Any]]:
-    """Return the rows of the claim's runs that are still its own, by name."""
-    claimed = {run.run_id: run.attempt for run in claim.runs}
-    if not claimed:
-        return {}
-    sweep_id = claim.runs[0].run_id.partition("-")[0]
-    ordinals = [int(run_id.partition("-")[2]) for run_id in claimed]
-    rows = connection.execute(
-        held_rows().where(
-            sweeps.c.id == sweep_id,
-            runs.c.ordinal.in_(ordinals),
-            is_running,
+def held_runs(connection: Connection, held: Sequence[Claim]) -> list[dict[str, Row[Any]]]:
+    """Return, for each claim, the rows of its runs that are still its own, by name."""
+    ordinals: dict[str, list[int]] = {}
+    for run in chain.from_iterable(claim.runs for claim in held):
+        sweep_id, _, ordinal = run.run_id.partition("-")
+        ordinals.setdefault(sweep_id, []).append(int(ordinal))
+    found: dict[str, Row[Any]] = {}
+    for sweep_id, wanted in ordinals.items():
+        rows = connection.execute(
+            held_rows().where(sweeps.c.id == sweep_id, runs.c.ordinal.in_(wanted), is_running)
         )
-    )
-    found = {run_name(sweep_id, row.ordinal): row for row in rows}
-    return {run_id: row for run_id, row in found.items() if row.attempt == claimed[run_id]}
+        found.update({run_name(sweep_id, row.ordinal): row for row in rows})
+    return [
+        {
+            run.run_id: row
+            for run in claim.runs
+            if (row := found.get(run.run_id)) is not None and row.attempt == run.attempt
+        }
+        for claim in held
+    ]
 
 
 def held_rows() -> Select[Any]:
-    """Select runs with their sweep's name and whether it is paused."""
+    """Select what writes need of runs, with their sweep's name and whether it is paused."""
+    of_run = (
+        runs.c.number,
+        runs.c.sweep_number,
+        runs.c.ordinal,
+        runs.c.seed,
+        runs.c.timesteps,
+        runs.c.status,
+        runs.c.reason,
+        runs.c.attempt,
+        runs.c.timestep,
+        runs.c.is_cancelling,
+        runs.c.losses,
+    )
     of_sweep = (sweeps.c.id.label("sweep_id"), sweeps.c.paused_at)
-    return select(runs, *of_sweep).join(sweeps, sweeps.c.number == runs.c.sweep_number)
+    return select(*of_run, *of_sweep).join(sweeps, sweeps.c.number == runs.c.sweep_number)
 
 
-def tell(
-    connection: Connection, row: Row[Any], status: RunStatus, reason: str, timestep: int
-) -> None:
-    """Append the event of a held run's new status or reason."""
-    entry = events.run_changed(
+def told(row: Row[Any], status: RunStatus, reason: str, timestep: int) -> events.Entry:
+    """Return the entry of a held run's new status or reason."""
+    return events.run_changed(
         row.sweep_number,
         run_name(row.sweep_id, row.ordinal),
         status=status,
@@ -161,7 +185,6 @@ def tell(
         attempt=row.attempt,
         timestep=timestep,
     )
-    events.append(connection, [entry])
 
 
 def has_expired(connection: Connection) -> bool:
@@ -169,7 +192,7 @@ def has_expired(connection: Connection) -> bool:
     return bool(connection.scalar(select(exists().where(has_ended))))
 
 
-def waiting(connection: Connection) -> int:
-    """Return how many runs could be claimed now."""
-    query = select(func.count()).where(is_waiting)
-    return connection.scalar(query) or 0
+def waiting(connection: Connection, limit: int) -> int:
+    """Return how many runs could be claimed now; no more than the limit are counted."""
+    found = select(runs.c.number).where(is_waiting).limit(limit).subquery()
+    return connection.scalar(select(func.count()).select_from(found)) or 0

@@ -1,12 +1,12 @@
 """Measurements: adding new ones, reading one run's, reading a whole sweep's as columns."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import Column, Connection, Row, Select, false, or_, select
+from sqlalchemy import Column, Connection, Row, Select, false, func, or_, select
 
 from algorithms.measurement import Measurement
 from service.run import RunStatus
@@ -35,16 +35,7 @@ def add(
     """
     if not taken:
         return []
-    timesteps = [measurement.timestep for _, measurement in taken]
-    known = {
-        (number, timestep)
-        for number, timestep in connection.execute(
-            select(measurements.c.run_number, measurements.c.timestep).where(
-                measurements.c.run_number.in_({number for number, _ in taken}),
-                measurements.c.timestep.between(min(timesteps), max(timesteps)),
-            )
-        )
-    }
+    known = _known(connection, taken)
     fresh: dict[tuple[int, int], Measurement] = {}
     for number, measurement in taken:
         key = (number, measurement.timestep)
@@ -53,6 +44,33 @@ def add(
     if fresh:
         _insert(connection, fresh)
     return [(number, measurement) for (number, _), measurement in fresh.items()]
+
+
+def _known(
+    connection: Connection, taken: Sequence[tuple[int, Measurement]]
+) -> set[tuple[int, int]]:
+    """The (run number, timestep) that are written already, of runs that tell something again."""
+    latest = _latest(connection, {number for number, _ in taken})
+    again = [(number, m.timestep) for number, m in taken if m.timestep <= latest.get(number, -1)]
+    if not again:  # usually
+        return set()
+    query = select(measurements.c.run_number, measurements.c.timestep).where(
+        measurements.c.run_number.in_({number for number, _ in again}),
+        measurements.c.timestep.between(min(t for _, t in again), max(t for _, t in again)),
+    )
+    return {(number, timestep) for number, timestep in connection.execute(query)}
+
+
+def _latest(connection: Connection, numbers: Collection[int]) -> dict[int, int]:
+    """The timestep of each run's newest measurement, for those that have any."""
+    newest = (
+        select(func.max(measurements.c.timestep))
+        .where(measurements.c.run_number == runs.c.number)
+        .correlate(runs)
+        .scalar_subquery()
+    )
+    query = select(runs.c.number, newest).where(runs.c.number.in_(numbers))
+    return {number: step for number, step in connection.execute(query) if step is not None}
 
 
 def _insert(connection: Connection, fresh: Mapping[tuple[int, int], Measurement]) -> None:

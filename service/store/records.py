@@ -1,9 +1,13 @@
-"""Recording what a worker says: measurements, the lease, and runs that ended by themselves."""
+"""Recording what workers say: measurements, the lease, and runs that ended by themselves.
 
-from collections.abc import Mapping
+What many workers said is written together, statement by statement: the cost is that of the rows.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import Connection, Row, case, update
+from sqlalchemy import Connection, Row, update
 
 from service.claim import Claim
 from service.run import RunStatus
@@ -11,87 +15,148 @@ from service.store import checkpoints, endings, events, random_returns
 from service.store import measurements as points
 from service.store.claims import held_runs
 from service.store.column_types import now
+from service.store.endings import Ending
 from service.store.tables import runs
 from workers.progress import Activity, Progress
 
 
-def record(connection: Connection, claim: Claim, progress: Progress) -> set[str]:
-    """Write what a worker said, renew the lease, and return the runs that are still its own.
+@dataclass(frozen=True)
+class Heard:
+    """What a worker said, and the runs of its claim that are still its own: by name, by seed."""
+
+    claim: Claim
+    progress: Progress
+    held: Mapping[str, Row[Any]]
+    by_seed: Mapping[int, Row[Any]]
+
+    @property
+    def in_training(self) -> set[int]:
+        """The seeds that the progress's timestep is of."""
+        return set(self.progress.training or self.by_seed) & self.by_seed.keys()
+
+
+def record_all(connection: Connection, said: Sequence[tuple[Claim, Progress]]) -> list[set[str]]:
+    """Write what workers said, renew leases, and return each one's runs that are still its own.
 
     Seeds that finished, diverged or were dropped end here, with their last measurements, at once
-    or not at all.
+    or not at all. No run is in two of the claims.
     """
-    held = held_runs(connection, claim)
-    if not held:
-        return set()
-    by_seed = {row.seed: row for row in held.values()}
-    if progress.random_return is not None:
-        random_returns.put(connection, progress.random_return)
-    if progress.fingerprint:
-        checkpoints.begin(connection, by_seed, progress)
-    _go_on(connection, claim, by_seed, progress)
-    _measure(connection, held, by_seed, progress)
-    checkpoints.note(connection, by_seed, progress.checkpoints)
-    for seed in progress.finished:
-        if row := by_seed.get(seed):
-            endings.end(connection, row, RunStatus.SUCCEEDED, "", timestep=row.timesteps)
-    for divergence in progress.diverged:
-        if row := by_seed.get(divergence.seed):
-            reason = (
-                f"{divergence.quantity} stopped being finite at update {divergence.update}, "
-                f"timestep {divergence.timestep}"
-            )
-            endings.end(connection, row, RunStatus.DIVERGED, reason, timestep=divergence.timestep)
-    for seed in progress.dropped:
-        if (row := by_seed.get(seed)) and row.is_cancelling:
-            reached = progress.timestep if seed in in_training(progress, by_seed) else row.timestep
-            endings.end(connection, row, RunStatus.CANCELLED, endings.STOPPED, timestep=reached)
-    gone = {*progress.finished, *progress.dropped, *(d.seed for d in progress.diverged)}
-    return {run_id for run_id, row in held.items() if row.seed not in gone}
+    held = held_runs(connection, [claim for claim, _ in said])
+    heard = [
+        Heard(claim, progress, rows, {row.seed: row for row in rows.values()})
+        for (claim, progress), rows in zip(said, held, strict=True)
+    ]
+    for each in heard:
+        if each.held and each.progress.random_return is not None:
+            random_returns.put(connection, each.progress.random_return)
+    checkpoints.begin(
+        connection, [(h.by_seed, h.progress) for h in heard if h.progress.fingerprint]
+    )
+    _go_on(connection, heard)
+    _measure(connection, heard)
+    checkpoints.note(connection, [(each.by_seed, each.progress.checkpoints) for each in heard])
+    endings.end(connection, [ending for each in heard for ending in _endings(each)])
+    return [_going_on(each) for each in heard]
 
 
-def _go_on(
-    connection: Connection, claim: Claim, by_seed: Mapping[int, Row[Any]], progress: Progress
-) -> None:
+def _go_on(connection: Connection, heard: Sequence[Heard]) -> None:
     """Renew the lease of all, and note how far those in training have come."""
-    numbers = [row.number for row in by_seed.values()]
-    lease: dict[str, Any] = {"lease_until": now() + claim.lease_seconds}
-    if progress.bytes_per_run:
-        lease["memory_bytes"] = progress.bytes_per_run
-    if progress.activity is Activity.TRAINING:  # in the same statement: each writes the row anew
-        trained = [by_seed[seed].number for seed in in_training(progress, by_seed)]
-        is_in_training = runs.c.number.in_(trained)
-        lease["timestep"] = case((is_in_training, progress.timestep), else_=runs.c.timestep)
-    connection.execute(update(runs).where(runs.c.number.in_(numbers)).values(lease))
+    rows = []
+    for each in heard:
+        progress = each.progress
+        trained = each.in_training if progress.activity is Activity.TRAINING else set()
+        rows += [
+            (
+                each.claim.lease_seconds,
+                progress.timestep if seed in trained else None,
+                progress.bytes_per_run or None,
+                row.number,
+            )
+            for seed, row in each.by_seed.items()
+        ]
+    if rows:
+        _renew(connection, rows)
 
 
-def in_training(progress: Progress, by_seed: Mapping[int, Row[Any]]) -> set[int]:
-    """Return the seeds that a progress's timestep is of."""
-    return set(progress.training or by_seed) & by_seed.keys()
-
-
-def _measure(
-    connection: Connection,
-    held: Mapping[str, Row[Any]],
-    by_seed: Mapping[int, Row[Any]],
-    progress: Progress,
+def _renew(
+    connection: Connection, rows: Sequence[tuple[float, int | None, int | None, int]]
 ) -> None:
+    """Write (lease, timestep, bytes, number) of runs; what is None stays as it is."""
+    clock = now().compile(dialect=connection.dialect)
+    if connection.dialect.name == "sqlite":
+        connection.exec_driver_sql(
+            f"UPDATE runs SET lease_until = {clock} + ?, timestep = coalesce(?, timestep), "  # noqa: S608
+            "memory_bytes = coalesce(?, memory_bytes) WHERE number = ?",
+            list(rows),
+        )
+    else:  # one statement, where psycopg would send each row by itself
+        connection.exec_driver_sql(
+            f"UPDATE runs SET lease_until = {clock} + told.lease, "  # noqa: S608
+            "timestep = coalesce(told.timestep, runs.timestep), "
+            "memory_bytes = coalesce(told.bytes, runs.memory_bytes) "
+            "FROM unnest(%s::float8[], %s::bigint[], %s::bigint[], %s::bigint[]) "
+            "AS told (lease, timestep, bytes, number) WHERE runs.number = told.number",
+            tuple(map(list, zip(*rows, strict=True))),
+        )
+
+
+def _measure(connection: Connection, heard: Sequence[Heard]) -> None:
     """Add the measurements of runs still held; a run that came further is out of its losses."""
     fresh = points.add(
         connection,
-        [(by_seed[m.seed].number, m) for m in progress.measurements if m.seed in by_seed],
+        [
+            (each.by_seed[m.seed].number, m)
+            for each in heard
+            for m in each.progress.measurements
+            if m.seed in each.by_seed
+        ],
     )
     reached: dict[int, list[int]] = {}
     for number, measurement in fresh:
         reached.setdefault(number, []).append(measurement.timestep)
-    recovered = [row.number for row in held.values() if row.number in reached and row.losses]
+    measured = [
+        (run_id, row, steps)
+        for each in heard
+        for run_id, row in each.held.items()
+        if (steps := reached.get(row.number))
+    ]
+    recovered = [row.number for _, row, _ in measured if row.losses]
     if recovered:
         connection.execute(update(runs).where(runs.c.number.in_(recovered)).values(losses=0))
     events.append(
         connection,
         [
             events.measured(row.sweep_number, run_id, min(steps), max(steps))
-            for run_id, row in held.items()
-            if (steps := reached.get(row.number))
+            for run_id, row, steps in measured
         ],
     )
+
+
+def _endings(heard: Heard) -> list[Ending]:
+    """How those runs end that ended by themselves or were dropped."""
+    progress, by_seed = heard.progress, heard.by_seed
+    ends = [
+        endings.ended(row, RunStatus.SUCCEEDED, "", timestep=row.timesteps)
+        for seed in progress.finished
+        if (row := by_seed.get(seed))
+    ]
+    for divergence in progress.diverged:
+        if row := by_seed.get(divergence.seed):
+            reason = (
+                f"{divergence.quantity} stopped being finite at update {divergence.update}, "
+                f"timestep {divergence.timestep}"
+            )
+            step = divergence.timestep
+            ends.append(endings.ended(row, RunStatus.DIVERGED, reason, timestep=step))
+    for seed in progress.dropped:
+        if (row := by_seed.get(seed)) and row.is_cancelling:
+            step = progress.timestep if seed in heard.in_training else row.timestep
+            ends.append(endings.ended(row, RunStatus.CANCELLED, endings.STOPPED, timestep=step))
+    return ends
+
+
+def _going_on(heard: Heard) -> set[str]:
+    """The runs that the worker is to train further."""
+    progress = heard.progress
+    gone = {*progress.finished, *progress.dropped, *(d.seed for d in progress.diverged)}
+    return {run_id for run_id, row in heard.held.items() if row.seed not in gone}

@@ -203,9 +203,9 @@ class Store:
             )
         )
 
-    def waiting_runs(self) -> int:
-        """Return how many runs could be claimed now."""
-        return self._reader.read(claims.waiting)
+    def waiting_runs(self, limit: int) -> int:
+        """Return how many runs could be claimed now; no more than the limit are counted."""
+        return self._reader.read(lambda c: claims.waiting(c, limit))
 
     def count_runs(self) -> dict[str, int]:
         """Return how many runs of all sweeps there are by status, every status named."""
@@ -224,8 +224,16 @@ class Store:
 
         Returns the runs of the claim that go on; the worker is to stop training the others.
         """
-        held = self._writer.write(lambda c: records.record(c, claim, progress))
-        MEASUREMENTS.inc(len(progress.measurements))
+        [held] = self.record_all([(claim, progress)])
+        return held
+
+    def record_all(self, said: Sequence[tuple[Claim, Progress]]) -> list[set[str]]:
+        """Do as `record` with what several workers said, at once. No run is in two of the claims.
+
+        A claim that was given up changes nothing and keeps none of the others from it.
+        """
+        held = self._writer.write(lambda c: records.record_all(c, said))
+        MEASUREMENTS.inc(sum(len(progress.measurements) for _, progress in said))
         return held
 
     def fail(self, claim: Claim, error: str, log_tail: str = "") -> None:

@@ -9,9 +9,10 @@ cluster goes. After each step the promises are checked that the step could have 
 
 import random
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
+from service.batch import next_together
 from service.run import FINAL
 from service.scheduler import DispatchTimes, State, step
 from service.scheduler_messages import (
@@ -107,7 +108,7 @@ class Simulation:
         self.models = self.promises.models
         self.steps = 0
         self.excused_until = 0.0
-        self.in_hand: tuple[SimulatedWorker, Report] | None = None
+        self.in_hand: list[tuple[SimulatedWorker, Report]] = []
         self.delivered: deque[Report] = deque(maxlen=50)
         self.story: deque[str] = deque(maxlen=40)
         self.users = SimulatedUsers(self.promises, self.random, RAISING, self.tell)
@@ -182,10 +183,13 @@ class Simulation:
         """Note what happened, for whoever reads of a failure."""
         self.story.append(f"{self.now:.2f} {happened}"[:300])
 
-    def give(self, happening: Event) -> None:
-        """Have the scheduler take an event into account."""
-        self.tell(happening)
-        self.state, commands = step(self.state, happening, self.now, TIMES)
+    def give(self, *happenings: Event) -> None:
+        """Have the scheduler take events into account."""
+        commands: list[Command] = []
+        for happening in happenings:
+            self.tell(happening)
+            self.state, more = step(self.state, happening, self.now, TIMES)
+            commands += more
         self.commands.extendleft(reversed(commands))
 
     def tick(self) -> bool:
@@ -201,26 +205,27 @@ class Simulation:
         return True
 
     def carry_out(self) -> bool:
-        """Carry out the next command, if the store lets it happen; its answer is the next event."""
+        """Carry out what is next, if the store lets it happen; the answers are the next events."""
         if not self.commands:
             return False
-        command = self.commands[0]
+        together = next_together(self.commands)
         fault = self.refusals.popleft() if self.refusals else ""
         if fault == "refused":
             return True
-        if isinstance(command, QUESTIONS):
-            answer = self.do(command)
+        if isinstance(together[0], QUESTIONS):
+            answers = self.do(together)
         else:
-            with self.promises.touching(self.touched_by(command)):
-                answer = self.do(command)
-        if isinstance(command, Record):
-            self.check_renewed(command)
+            with self.promises.touching(set().union(*map(self.touched_by, together))):
+                answers = self.do(together)
+        for command in together:
+            if isinstance(command, Record):
+                self.check_renewed(command)
         if fault == "answer lost":  # done, but it will be done again
             return True
-        self.tell(command)
-        self.commands.popleft()
-        if answer is not None:
-            self.give(answer)
+        for command in together:
+            self.tell(command)
+            self.commands.popleft()
+        self.give(*answers)
         return True
 
     def touched_by(self, command: Command) -> set[str]:
@@ -235,11 +240,18 @@ class Simulation:
             case _:
                 return set()
 
-    def do(self, command: Command) -> Event | None:
+    def do(self, together: Sequence[Command]) -> list[Event]:
         """Do what `service/dispatch.py` does."""
+        records = [command for command in together if isinstance(command, Record)]
+        if records:
+            said = [(record.claim, record.news.progress) for record in records]
+            held = map(frozenset, self.store.record_all(said))
+            return [Recorded(r.news, runs) for r, runs in zip(records, held, strict=True)]
+        answer = self.do_one(together[0])
+        return [] if answer is None else [answer]
+
+    def do_one(self, command: Command) -> Event | None:
         match command:
-            case Record(claim, news):
-                return Recorded(news, frozenset(self.store.record(claim, news.progress)))
             case Lose(claim, reason, log_tail):
                 self.store.lose(claim, reason, log_tail)
             case Release(claim, reason):
@@ -250,8 +262,8 @@ class Simulation:
                 self.store.lose_expired()
             case AskCancelling():
                 return Cancelling(frozenset(self.store.cancelling_runs()))
-            case AskWaiting():
-                return Waiting(self.store.waiting_runs(), frozenset())
+            case AskWaiting(limit):
+                return Waiting(self.store.waiting_runs(limit), frozenset())
             case ClaimCohort(worker, lease, limit):
                 return Claimed(worker, self.store.claim_cohort(worker, lease, limit))
             case Train(worker, work):
@@ -282,10 +294,10 @@ class Simulation:
     def kill_service(self) -> bool:
         """Forget everything but the store; the workers go with it, or are found again."""
         self.tell("the service is killed")
-        if self.commands and self.in_hand is not None:
-            simulated, report = self.in_hand
-            simulated.reports.appendleft(report)  # it will be told again
-            self.in_hand = None
+        if self.commands:
+            for simulated, report in self.in_hand:
+                simulated.reports.appendleft(report)  # it will be told again
+            self.in_hand = []
         self.acknowledge()
         self.state, self.commands = State(), deque()
         if self.random.random() < 0.5:
@@ -345,29 +357,28 @@ class Simulation:
         simulated.reports.append(News(worker.name, worker.cohort, Progress(worker.timestep)))
         return True
 
-    def deliver(self, name: str | None = None) -> bool:
-        """Have a worker's next report arrive, where the thread has time for it."""
-        name = name or self.any_worker()
-        if name not in self.workers or self.commands or not self.state.pool_is_up:
+    def deliver(self, *names: str) -> bool:
+        """Have workers' next reports arrive at once, where the thread has time for them."""
+        if self.commands or not self.state.pool_is_up:
             return False
-        reports = self.workers[name].reports
-        if not reports or self.workers[name].is_held_up:
+        chosen = names or self.random.choices(list(self.workers), k=WORKERS) if self.workers else ()
+        speaking = [self.workers[name] for name in dict.fromkeys(chosen) if name in self.workers]
+        speaking = [each for each in speaking if each.reports and not each.is_held_up]
+        if not speaking:
             return False
         self.acknowledge()
-        self.in_hand = (self.workers[name], reports.popleft())
-        self.give(self.in_hand[1])
+        self.in_hand = [(each, each.reports.popleft()) for each in speaking]
+        self.give(*(report for _, report in self.in_hand))
         return True
 
     def acknowledge(self) -> None:
-        """All that the last report led to is in the store: it need not be told again."""
-        if self.in_hand is None:
-            return
-        simulated, report = self.in_hand
-        self.in_hand = None
-        self.delivered.append(report)
-        simulated.hear(report)
-        if isinstance(report, Lost):
-            del self.workers[simulated.worker.name]
+        """All that the last reports led to is in the store: they need not be told again."""
+        for simulated, report in self.in_hand:
+            self.delivered.append(report)
+            simulated.hear(report)
+            if isinstance(report, Lost):
+                del self.workers[simulated.worker.name]
+        self.in_hand = []
 
     def repeat(self) -> bool:
         """Have a report arrive once more, however long ago it did."""
@@ -421,7 +432,7 @@ class Simulation:
         if self.commands or not self.state.pool_is_up:
             return False
         self.cluster_is_gone = True
-        self.in_hand = None
+        self.in_hand = []
         self.workers.clear()
         self.give(PoolLost("its head is gone", "12:00:00"))
         return True

@@ -1,7 +1,7 @@
 """Dispatch: whatever happens to workers, every run ends truthfully and its curve is whole."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import pytest
@@ -340,12 +340,12 @@ def test_nothing_is_lost_while_the_database_refuses(
     sweep = submit(store, 4)
     work(dispatcher, 3)
 
-    def refuse(claim: Claim, progress: Progress) -> set[str]:
-        del claim, progress
+    def refuse(said: Sequence[tuple[Claim, Progress]]) -> list[set[str]]:
+        del said
         raise OperationalError("INSERT", {}, Exception("database or disk is full"))
 
     with monkeypatch.context() as patched:
-        patched.setattr(store, "record", refuse)
+        patched.setattr(store, "record_all", refuse)
         for _ in range(5):
             clock.now += 10.0
             with pytest.raises(OperationalError, match="disk is full"):
@@ -361,7 +361,7 @@ def test_the_thread_says_that_the_database_refuses_and_recovers(
     dispatcher = Dispatcher(store, pool, TIMES)
     refused = OperationalError("SELECT", {}, Exception("disk I/O error"))
 
-    def refuse() -> int:
+    def refuse(limit: int) -> int:
         raise refused
 
     monkeypatch.setattr(store, "waiting_runs", refuse)
@@ -375,6 +375,25 @@ def test_the_thread_says_that_the_database_refuses_and_recovers(
     finally:
         dispatcher.stop()
     assert_whole(store, sweep)
+
+
+def test_what_all_workers_say_in_a_round_is_one_transaction(
+    store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pool = FakePool(size=20)
+    dispatcher = Dispatcher(store, pool, TIMES, Clock())
+    sweep = submit(store, 20)
+    sizes = []
+
+    def record_all(said: Sequence[tuple[Claim, Progress]]) -> list[set[str]]:
+        sizes.append(len(said))
+        return Store.record_all(store, said)
+
+    monkeypatch.setattr(store, "record_all", record_all)
+    work_until(dispatcher, lambda: counts(store, sweep).active == 0)
+    assert sizes == [20] * (TIMESTEPS // CYCLE)
+    assert_whole(store, sweep)
+    assert pool.acknowledged == 20 * (1 + 1 + TIMESTEPS // CYCLE + 1)  # ready, busy, news, ended
 
 
 def test_stopping_puts_runs_back_and_closes_the_pool(store: Store, pool: FakePool) -> None:

@@ -5,7 +5,7 @@
 """
 
 import os
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from typing import Any
 
 import pytest
@@ -77,8 +77,13 @@ def test_what_a_worker_said_of_an_earlier_cohort_displaces_none() -> None:
 
 
 def test_late_writes_of_earlier_attempts_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    def held_under_any_attempt(connection: Connection, claim: Claim) -> dict[str, Row[Any]]:
-        return {n: row for n, row in rows_of(connection, claim).items() if row.status == "running"}
+    def held_under_any_attempt(
+        connection: Connection, held: Sequence[Claim]
+    ) -> list[dict[str, Row[Any]]]:
+        return [
+            {n: row for n, row in rows_of(connection, claim).items() if row.status == "running"}
+            for claim in held
+        ]
 
     for module in (records, endings):
         monkeypatch.setattr(module, "held_runs", held_under_any_attempt)
@@ -86,10 +91,16 @@ def test_late_writes_of_earlier_attempts_are_noticed(monkeypatch: pytest.MonkeyP
 
 
 def test_writes_to_runs_that_have_ended_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    def held_for_ever(connection: Connection, claim: Claim) -> dict[str, Row[Any]]:
-        attempts = {run.run_id: run.attempt for run in claim.runs}
-        found = rows_of(connection, claim)
-        return {name: row for name, row in found.items() if row.attempt == attempts[name]}
+    def held_for_ever(connection: Connection, held: Sequence[Claim]) -> list[dict[str, Row[Any]]]:
+        attempts = {(run.run_id, run.attempt) for claim in held for run in claim.runs}
+        return [
+            {
+                n: row
+                for n, row in rows_of(connection, claim).items()
+                if (n, row.attempt) in attempts
+            }
+            for claim in held
+        ]
 
     monkeypatch.setattr(endings, "held_runs", held_for_ever)
     assert_noticed("was changed by what may not")

@@ -63,6 +63,11 @@ class PostgreSQL:
             else:
                 return
 
+    @property
+    def process_id(self) -> int:
+        """The server's process, whose children serve the sessions."""
+        return self._process.pid
+
     def stop(self) -> None:
         """Stop it in order: its sessions are ended."""
         self._process.send_signal(signal.SIGINT)

@@ -25,7 +25,7 @@ def sweep_of(claim: Claim) -> str:
 
 def test_nothing_waits(store: Store) -> None:
     assert store.claim_cohort("w", LEASE) is None
-    assert store.waiting_runs() == 0
+    assert store.waiting_runs(limit=100) == 0
 
 
 def test_a_cohort_is_of_one_cell(store: Store, submit: Submit) -> None:
@@ -221,7 +221,7 @@ def test_a_loss_is_waited_for(url: str) -> None:
     specs = [RunSpec("ddpg", "Pendulum", 0)]
     patient.create_sweep("x", 0, {}, specs, environment_versions={"Pendulum": 1})
     patient.lose(claim_of(patient), "its worker was lost")
-    assert patient.waiting_runs() == 0
+    assert patient.waiting_runs(limit=100) == 0
     assert patient.claim_cohort("w", LEASE) is None
     patient.close()
 
@@ -261,3 +261,44 @@ def test_whatever_a_worker_prints_is_kept(store: Store, submit: Submit) -> None:
     run = store.find_run(f"{sweep.id}-1")
     assert run is not None
     assert run.reason == attempt.error
+
+
+def test_what_many_workers_said_is_written_at_once(store: Store, submit: Submit) -> None:
+    submit(seeds=2, environments=("Pendulum", "MassPoint"), timesteps=1600)
+    claims = [claim_of(store), claim_of(store)]
+    said = [
+        (claim, Progress(800 * reached, measurements=(measured(0, 800 * reached),), finished=ended))
+        for claim, reached, ended in zip(claims, (1, 2), ((), (0, 1)), strict=True)
+    ]
+    going_on = {run.run_id for run in claims[0].runs}
+    assert store.record_all(said) == [going_on, set()]
+    assert store.record_all(said) == [going_on, set()]  # its answer was lost
+    first, second = (claim.runs[0].run_id for claim in claims)
+    assert store.measurements(first) == [measured(0, 800)]
+    assert store.measurements(second) == [measured(0, 1600)]
+    told = [event.payload for event in store.events_after(0) if event.kind != "sweep"]
+    assert [entry.get("status", "measured") for entry in told if entry["run_id"] == second] == [
+        RunStatus.RUNNING,
+        "measured",
+        RunStatus.SUCCEEDED,
+    ]
+    assert store.record_all([]) == []
+
+
+def test_a_claim_that_was_given_up_spoils_none_of_the_others(store: Store, submit: Submit) -> None:
+    submit(seeds=2, environments=("Pendulum", "MassPoint"))
+    given_up, other = claim_of(store), claim_of(store)
+    store.release(given_up, "x")
+    current = claim_of(store)
+    assert {run.run_id for run in current.runs} == {run.run_id for run in given_up.runs}
+    point = measured(0, 800)
+    late = (given_up, Progress(800, measurements=(point,), finished=(0,)))
+    held = store.record_all([late, (other, Progress(800, measurements=(point,)))])
+    assert held == [set(), {run.run_id for run in other.runs}]
+    assert store.measurements(current.runs[0].run_id) == []
+    assert store.measurements(other.runs[0].run_id) == [point]
+
+
+def test_no_more_waiting_runs_are_counted_than_asked(store: Store, submit: Submit) -> None:
+    submit(seeds=5)
+    assert [store.waiting_runs(limit) for limit in (1, 5, 100)] == [1, 5, 5]
