@@ -1,8 +1,8 @@
 """Many workers: what one service costs a run, and how many workers it can serve.
 
 The workers are pretended, 10, 100 and 1,000 of them; the dispatcher, the scheduler and the store
-are real, with 100,000 runs queued, on SQLite and on PostgreSQL. Each worker has 16 runs of 50
-measurements and reports once a second, a measurement of every run each time, as a real one does.
+are real, with 100,000 runs queued, on SQLite and on PostgreSQL. Each worker has 16 runs at once, of
+50 measurements, one a second, as a real one does on a fast core; it reports as often as it is told.
 
 What counts is processor time (see simulated/processor_time.py): the service's threads, and
 PostgreSQL's sessions. It is not seconds of this machine, which may have other work; those are
@@ -26,110 +26,116 @@ from workers.run_spec import COHORT_LIMIT, RunSpec
 WORKERS = (10, 100, 1000)
 QUEUED = 100_000
 SWEEPS = 5
-REPORTS = 3000
-"""At least so many are measured, and five of each worker."""
+REPORTS = 1000
+"""At least so many are measured, and three of each worker."""
 TIMES = DispatchTimes(lease=3600.0)  # in the database's time, which is this machine's
 
 
 @dataclass(frozen=True)
 class Spent:
-    """What had been spent, and what was had for it."""
+    """What had been spent, in seconds, and what was had for it. `passed` is the workers' time."""
 
-    simulated: float
+    passed: float
     service: float
     database: float
     wall: float
+    waited: float
     rounds: int
     reports: int
+    measurements: int
     runs: int
-    lost: float
 
     def since(self, earlier: "Spent") -> "Spent":
-        mine, theirs = vars(self), vars(earlier)
-        return Spent(**{name: mine[name] - theirs[name] for name in mine})
+        """What was added since."""
+        return Spent(*(mine - vars(earlier)[name] for name, mine in vars(self).items()))
 
     @property
     def processor(self) -> float:
+        """Seconds of the service and of its database, which work in turn."""
         return self.service + self.database
 
 
 class Bench:
-    """A dispatcher with a store of its own and so many workers."""
+    """A dispatcher with so many workers, at work on a store."""
 
     def __init__(self, store: Store, postgres: int | None, workers: int) -> None:
+        """`postgres` is its server's process, where there is one."""
         self.time = ProcessorTime(postgres)
         self.pool = PretendedPool(workers, self.time)
         self.dispatcher = Dispatcher(store, self.pool, TIMES, lambda: self.pool.now)
         self.rounds = 0
 
-    def work(self, reports: int) -> None:
-        """Work until so many reports have been taken in."""
-        while self.pool.taken < reports:
-            self.dispatcher.work_round()
-            self.rounds += 1
+    def work(self) -> None:
+        """Have the dispatcher do a round."""
+        self.dispatcher.work_round()
+        self.rounds += 1
+
+    def take_in(self, reports: int) -> None:
+        """Work until so many more reports have been taken in."""
+        until = self.pool.reports_told + reports
+        while self.pool.reports_told < until:
+            self.work()
 
     @property
     def spent(self) -> Spent:
+        """What has been spent so far."""
         pool = self.pool
-        lost = pool.lost + pool.waiting()
-        service, database = self.time.service, self.time.database
         return Spent(
-            pool.now, service, database, time.perf_counter(), self.rounds, pool.taken, pool.ended,
-            lost,
-        )  # fmt: skip
+            passed=pool.now,
+            service=self.time.service,
+            database=self.time.database,
+            wall=time.perf_counter(),
+            waited=pool.waited,
+            rounds=self.rounds,
+            reports=pool.reports_told,
+            measurements=pool.measurements_told,
+            runs=pool.runs_ended,
+        )
 
 
 def main() -> None:
     """Print every figure of both databases."""
-    for workers in WORKERS:
-        with tempfile.TemporaryDirectory() as folder:
-            url = f"sqlite:///{Path(folder) / 'd3pg.sqlite'}"
-            measure(f"SQLite, {workers:,} workers", url, None, workers)
+    with tempfile.TemporaryDirectory() as folder:
+        measure_all("SQLite", f"sqlite:///{Path(folder) / 'd3pg.sqlite'}", None)
     with running_postgresql("fsync=on") as server:
-        for workers in WORKERS:
-            url = server.create(f"d3pg_{workers}")
-            measure(f"PostgreSQL, {workers:,} workers", url, server.process_id, workers)
+        measure_all("PostgreSQL", server.create("d3pg"), server.process_id)
 
 
-def measure(name: str, url: str, postgres: int | None, workers: int) -> None:
-    """Measure so many workers with a database that is empty at first."""
+def measure_all(name: str, url: str, postgres: int | None) -> None:
+    """Measure one database, empty at first, with ever more workers."""
     store = Store.open(url)
     submit(store)
-    bench = Bench(store, postgres, workers)
-    bench.work(1)
-    while bench.pool.idle:
-        bench.work(bench.pool.taken + 1)
-    report(f"{name}, until each had its first cohort", bench.pool.now, "s")
-    bench.work(bench.pool.taken + workers)
-    before = bench.spent
-    bench.work(bench.pool.taken + max(REPORTS, 5 * workers))
-    print_spent(name, bench.spent.since(before), workers)
-    report(f"{name}, longest wait of a worker", bench.pool.longest, "s")
+    for workers in WORKERS:
+        measure(f"{name}, {workers:,} workers", Bench(store, postgres, workers), workers)
     store.close()
 
 
-def print_spent(name: str, spent: Spent, workers: int) -> None:
-    milliseconds = 1000 * spent.processor
+def measure(name: str, bench: Bench, workers: int) -> None:
+    """Wait until every worker is in the midst of its work, and measure what comes then."""
+    bench.work()
+    while bench.pool.is_idle:
+        bench.work()
+    report(f"{name}, until each had its first cohort", bench.pool.now, "s")
+    bench.take_in(workers)
+    before = bench.spent
+    bench.take_in(max(REPORTS, 3 * workers))
+    spent = bench.spent.since(before)
     report(f"{name}, reports a round", spent.reports / spent.rounds, "")
-    report(f"{name}, processor time a round", milliseconds / spent.rounds, "ms")
-    report(f"{name}, processor time a report", milliseconds / spent.reports, "ms")
-    report(
-        f"{name}, processor time a run", milliseconds / spent.reports * POINTS / COHORT_LIMIT, "ms"
-    )
-    report(
-        f"{name}, the database's sessions' share of it", 100 * spent.database / spent.processor, "%"
-    )
-    report(f"{name}, busy", 100 * spent.processor / spent.simulated, "%")
-    report(f"{name}, a worker's time lost", 100 * spent.lost / spent.simulated / workers, "%")
-    reports = spent.reports / spent.processor
-    report(f"{name}, saturated at reports", reports, "1/s")
-    report(f"{name}, saturated at runs", reports * COHORT_LIMIT / POINTS, "1/s")
+    report(f"{name}, processor time a round", 1000 * spent.processor / spent.rounds, "ms")
+    report(f"{name}, a report", 1000 * spent.processor / spent.reports, "ms")
+    report(f"{name}, a run", 1000 * POINTS * spent.processor / spent.measurements, "ms")
+    report(f"{name}, of it the database's sessions", 100 * spent.database / spent.processor, "%")
+    report(f"{name}, busy", 100 * spent.processor / spent.passed, "%")
+    report(f"{name}, a worker's time lost", 100 * spent.waited / spent.passed / workers, "%")
+    report(f"{name}, a worker's longest wait", bench.pool.longest_wait, "s")
+    report(f"{name}, saturated at reports", spent.reports / spent.processor, "1/s")
+    report(f"{name}, saturated at measurements", spent.measurements / spent.processor, "1/s")
     report(f"{name}, wall time a report, at most", 1000 * spent.wall / spent.reports, "ms")
 
 
 def submit(store: Store) -> None:
-    """Queue all runs, in several sweeps."""
-    cells = QUEUED // SWEEPS // COHORT_LIMIT
+    """Queue all runs, in several sweeps, and as many again as are running when it is measured."""
+    cells = QUEUED * 6 // 5 // SWEEPS // COHORT_LIMIT
     specs = [
         RunSpec("ddpg", "Pendulum", seed, (float(cell), 0.0))
         for cell in range(cells)

@@ -109,16 +109,20 @@ class EventFeed:
     async def _read(self) -> None:
         """Follow the end of the log. A database that fails is asked again at the next look."""
         while True:
+            events: Sequence[Event] = ()
             try:
                 if self._found.is_set():
-                    self._keep(await run_in_threadpool(self._store.events_after, self._last))
+                    events = await run_in_threadpool(
+                        self._store.events_after, self._last, limit=PAGE
+                    )
+                    self._keep(events)
                 else:
                     self._last = await run_in_threadpool(self._store.last_event_id)
                     self._before_recent = self._last
                     self._found.set()
             except SQLAlchemyError:
                 log.exception("the event log cannot be read")
-            await asyncio.sleep(PERIOD_SECONDS)
+            await asyncio.sleep(0.0 if len(events) == PAGE else PERIOD_SECONDS)
 
     def _keep(self, events: Sequence[Event]) -> None:
         if not events:

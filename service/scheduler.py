@@ -45,11 +45,17 @@ from workers.report import Busy, Ended, Failed, Lost, News, Ready
 from workers.run_spec import COHORT_LIMIT
 from workers.work import Work
 
+REPORTS_A_SECOND = 250
+"""Of all workers together. Where there are more, each reports less often: what they measure comes
+in fewer transactions, and the cost of a report is for the most part one of its sixteen runs."""
+
 
 @dataclass(frozen=True)
 class DispatchTimes:
     """All in seconds.
 
+    report   between two reports of a worker, where there are few
+    longest_report  the same where there are many: several of them to a lease
     lease    a worker that is not heard of for so long has lost its runs
     grace    a worker that was told to drop a run has so long to do so before it is killed
     round    longest wait for reports; how late a cancelling or a new sweep is seen
@@ -57,6 +63,8 @@ class DispatchTimes:
     restart  before a pool that failed is started again, doubled each time up to `longest_restart`
     """
 
+    report: float = 1.0
+    longest_report: float = 3.75
     lease: float = 15.0
     grace: float = 5.0
     round: float = 0.1
@@ -147,7 +155,7 @@ def step(  # noqa: PLR0911, PLR0912  (one an event)
         case Waiting():
             return _waiting(state, event, times)
         case Claimed(worker, claim):
-            return _claimed(state, worker, claim, now)
+            return _claimed(state, worker, claim, now, times)
         case _:  # of a cohort that was given up, or heard before
             return state, []
 
@@ -266,7 +274,9 @@ def _waiting(state: State, waiting: Waiting, times: DispatchTimes) -> Step:
     return state, [ClaimCohort(state.idle[0], times.lease, share)]
 
 
-def _claimed(state: State, worker: str, claim: Claim | None, now: float) -> Step:
+def _claimed(
+    state: State, worker: str, claim: Claim | None, now: float, times: DispatchTimes
+) -> Step:
     """Have the claim trained, and see whether there is work for the next one."""
     if claim is None:
         return state, []
@@ -278,9 +288,21 @@ def _claimed(state: State, worker: str, claim: Claim | None, now: float) -> Step
     is_known = version in state.random_returns or version in in_measurement
     cohort = Cohort(claim.name, claim, now, None if is_known else version)
     state = _with(state, worker, cohort)
-    work = Work(cohort.name, claim.assignments, not is_known, note=claim.to_json())
+    work = Work(
+        cohort.name,
+        claim.assignments,
+        not is_known,
+        note=claim.to_json(),
+        report_seconds=_report_seconds(state, times),
+    )
     train = Train(worker, work)
     return state, [train, _ask_waiting(state)] if state.idle else [train]
+
+
+def _report_seconds(state: State, times: DispatchTimes) -> float:
+    """How often a worker is to report, so that all of them do not say too much."""
+    workers = len(state.idle) + len(state.cohorts)
+    return min(max(times.report, workers / REPORTS_A_SECOND), times.longest_report)
 
 
 def _ask_waiting(state: State) -> AskWaiting:

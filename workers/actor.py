@@ -80,6 +80,7 @@ class Worker:
                 lambda: self._dropped,
                 _leave,
                 measure_random_return=work.measure_random_return,
+                report_seconds=work.report_seconds,
             )
             for progress in told:
                 yield to_line(News(self._name, cohort, progress))

@@ -70,6 +70,7 @@ class Cohort:
         self._measure_first = measure_first
         self._lock = threading.Lock()
         self._over = threading.Event()
+        self._is_urgent = threading.Event()  # there is news that is not to wait
         self._stopped = threading.Event()
         self._news = _News()
         self._timestep = 0
@@ -84,11 +85,14 @@ class Cohort:
         self._thread.start()
 
     def collect(self, timeout_seconds: float) -> tuple[Progress, bool]:
-        """Wait that long, or until all is over; return the news and whether all is over.
+        """Wait that long, or until seeds were dropped or all is over; return the news.
 
+        And whether all is over.
         Raises what the learner raised, once its last news have been collected.
         """
-        self._over.wait(timeout_seconds)
+        if not self._over.is_set():
+            self._is_urgent.wait(timeout_seconds)
+            self._is_urgent.clear()
         is_over = self._over.is_set()
         with self._lock:
             self._collected_at = time.monotonic()
@@ -133,6 +137,7 @@ class Cohort:
             self._failure = failure
         finally:
             self._over.set()
+            self._is_urgent.set()
 
     def _find_checkpoints(self) -> dict[int, Found]:
         """Look where each run was left, and tell."""
@@ -230,6 +235,7 @@ class Cohort:
             with self._lock:
                 self._waiting = [seed for seed in self._waiting if seed not in leaving]
                 self._news.dropped.extend(leaving)
+            self._is_urgent.set()
 
     def _cycle(self, learner: Learner) -> None:
         """One cycle of every seed; those that end in it are told apart by how."""

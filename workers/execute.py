@@ -17,9 +17,7 @@ from workers.place import Place
 from workers.progress import Activity, Progress
 from workers.random_play import measure_random_return as measure
 from workers.run_spec import RunSpec, shared_cell
-
-REPORT_SECONDS = 1.0
-"""Seconds between two progresses; each is also a heartbeat."""
+from workers.work import REPORT_SECONDS
 
 BuildLearner = Callable[[Sequence[RunSpec]], Learner]
 
@@ -44,9 +42,10 @@ def execute(
     on_abandoned: Callable[[], None],
     *,
     measure_random_return: bool = False,
+    report_seconds: float = REPORT_SECONDS,
     build_learner: BuildLearner = build_learner,
 ) -> Generator[Progress, None, None]:
-    """Train a cohort and yield its progress about once a second, the last one when all has ended.
+    """Train a cohort and yield its progress every so many seconds, the last when all has ended.
 
     Runs that have checkpoints in that place are taken up there; the first progress that has
     the fingerprint says so. Closing the generator stops the training.
@@ -71,7 +70,7 @@ def execute(
     try:
         is_over = False
         while not is_over:
-            progress, is_over = cohort.collect(REPORT_SECONDS)
+            progress, is_over = cohort.collect(report_seconds)
             yield replace(progress, fingerprint=own) if progress.resumed else progress
     finally:
         cohort.stop()

@@ -22,7 +22,7 @@ class Pool(Protocol):
         """Begin to bring workers up; each says Ready. Raises PoolUnavailableError."""
 
     def train(self, worker: str, work: Work) -> None:
-        """Train a cohort: Busy, News about once a second, then Ended, Failed or Lost.
+        """Train a cohort: Busy, News as often as is asked for, then Ended, Failed or Lost.
 
         Where asked, the random return of its task is measured first, and is in the News.
         """

@@ -1,4 +1,4 @@
-"""What a worker says about a cohort, about once a second: news, and that it is alive."""
+"""What a worker says about a cohort every second or few: news, and that it is alive."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

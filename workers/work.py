@@ -7,6 +7,8 @@ from typing import Any
 from workers.assignment import Assignment
 from workers.run_spec import RunSpec
 
+REPORT_SECONDS = 1.0
+
 
 @dataclass(frozen=True)
 class Work:
@@ -16,12 +18,14 @@ class Work:
     runs                  its runs
     measure_random_return measure that of its task first
     note                  plain values, for whoever hears of the cohort and did not assign it
+    report_seconds        between two reports of its progress; each is also a heartbeat
     """
 
     cohort: str
     runs: tuple[Assignment, ...]
     measure_random_return: bool = False
     note: Mapping[str, Any] = field(default_factory=dict)
+    report_seconds: float = REPORT_SECONDS
 
     @property
     def specs(self) -> tuple[RunSpec, ...]:
@@ -35,6 +39,7 @@ class Work:
             "runs": [run.to_json() for run in self.runs],
             "measure_random_return": self.measure_random_return,
             "note": dict(self.note),
+            "report_seconds": self.report_seconds,
         }
 
     @classmethod
@@ -45,4 +50,5 @@ class Work:
             tuple(Assignment.from_json(run) for run in document["runs"]),
             document["measure_random_return"],
             document["note"],
+            document["report_seconds"],
         )

@@ -1,8 +1,8 @@
 """A Pool of many pretended workers, in a time of their own.
 
-That time is the processor time of those who serve the workers, and the time in which these have
-nothing to do is skipped. So a thousand workers are pretended by one thread, and what they wait for
-is the work of the service, not the machine's other work.
+That time is the processor time of those who serve the workers; where nobody has anything to do it
+is skipped. So one thread pretends a thousand workers, and what they wait for is the work of the
+service, not the machine's other work.
 """
 
 import heapq
@@ -19,8 +19,7 @@ from workers.report import Busy, Ended, News, Ready, Report, from_line, to_line
 from workers.work import Work
 
 POINTS = 50
-"""Measurements of a run, one a report."""
-REPORT_SECONDS = 1.0
+"""Measurements of a run, one a second."""
 UNTAKEN = 2
 """Reports of a worker that may wait to be taken in; then the worker waits."""
 DIAGNOSTICS = ("critic_loss", "actor_loss", "action_gradient_cosine", "state_gradient_cosine",
@@ -29,45 +28,53 @@ DIAGNOSTICS = ("critic_loss", "actor_loss", "action_gradient_cosine", "state_gra
 
 @dataclass
 class PretendedWorker:
-    """One worker, and how many measurements of each seed it has told.
-
-    Its first cohort is taken up in its midst, so that not all end at once.
-    """
+    """One worker, what it trains, and how many measurements of each seed it has told."""
 
     name: str
-    point: int
-    cohort: str = ""
-    seeds: Sequence[int] = ()
-    measures: str = ""
+    told: int = 0
+    began: float = 0.0
+    work: Work = field(default_factory=lambda: Work("", ()))
 
-    def begin(self, work: Work) -> list[Report]:
-        """Take a cohort up."""
-        self.cohort, self.seeds = work.cohort, [spec.seed for spec in work.specs]
-        self.measures = work.specs[0].environment if work.measure_random_return else ""
+    def begin(self, work: Work, now: float, told: int = 0) -> list[Report]:
+        """Take a cohort up, in its midst where measurements are told already."""
+        self.work, self.told, self.began = work, told, now - told
         first = Progress(0, Activity.COMPILING)
-        return [Busy(self.name, self.cohort, work.note), News(self.name, self.cohort, first)]
+        return [Busy(self.name, work.cohort, work.note), News(self.name, work.cohort, first)]
 
-    def report(self) -> list[Report]:
-        """Measure every seed once more."""
-        is_first, self.point = self.seeds and not self.point, self.point + 1
-        is_over = self.point == POINTS
-        timestep = MEASURE_EVERY * self.point
-        measured = self.measures and RandomReturn(self.measures, 1, -1.0, -2.0, 0.0, 1000)
+    def due_after(self, now: float) -> float:
+        """When the next report is due."""
+        return min(now + self.work.report_seconds, self.began + POINTS)
+
+    def report(self, now: float) -> list[Report]:
+        """Tell what has been measured by now."""
+        is_first, before = not self.told, self.told
+        self.told = min(round(now - self.began), POINTS)
+        seeds = tuple(spec.seed for spec in self.work.specs)
+        is_over = self.told == POINTS
         progress = Progress(
-            timestep,
-            measurements=tuple(point(seed, timestep) for seed in self.seeds),
-            finished=tuple(self.seeds) if is_over else (),
-            resumed=tuple(Resumption(seed, 0) for seed in self.seeds) if is_first else (),
+            MEASURE_EVERY * self.told,
+            measurements=tuple(
+                measured(seed, MEASURE_EVERY * (place + 1))
+                for place in range(before, self.told)
+                for seed in seeds
+            ),
+            finished=seeds if is_over else (),
+            resumed=tuple(Resumption(seed, 0) for seed in seeds) if is_first else (),
             bytes_per_run=5_000_000,
             fingerprint={"cpu": "pretended", "numpy": "2"} if is_first else {},
-            random_return=measured or None,
+            random_return=self._random_return() if is_first else None,
         )
-        self.measures = ""
-        news = News(self.name, self.cohort, progress)
-        return [news, Ended(self.name, self.cohort)] if is_over else [news]
+        news = News(self.name, self.work.cohort, progress)
+        return [news, Ended(self.name, self.work.cohort)] if is_over else [news]
+
+    def _random_return(self) -> RandomReturn | None:
+        environment = self.work.specs[0].environment
+        is_asked = self.work.measure_random_return
+        return RandomReturn(environment, 1, -1.0, -2.0, 0.0, 1000) if is_asked else None
 
 
-def point(seed: int, timestep: int) -> Measurement:
+def measured(seed: int, timestep: int) -> Measurement:
+    """Something of the usual length."""
     value = -1000.0 / (timestep + seed)
     named = {name: value / place for place, name in enumerate(DIAGNOSTICS, 1)}
     return Measurement(
@@ -75,49 +82,50 @@ def point(seed: int, timestep: int) -> Measurement:
     )
 
 
-@dataclass
 class PretendedPool:
-    """`size` workers; `spent` is what counts as time that passes.
+    """So many workers. `now` is the pool's time, in seconds, when reports were last asked for.
 
-    now       the pool's time, in seconds, when reports were last asked for
-    taken     how many reports with measurements were taken in
-    ended     how many runs were trained to their end
-    lost      seconds that workers have waited: for a cohort, or for their news to be taken in
-    longest   of these waits
+    reports       with measurements, that were given out
+    measurements  in them
+    runs          that were trained to their end
     """
 
-    size: int
-    spent: ProcessorTime
-    now: float = 0.0
-    taken: int = 0
-    ended: int = 0
-    lost: float = 0.0
-    longest: float = 0.0
-    acknowledged: int = 0
-    _skipped: float = 0.0
-    _workers: dict[str, PretendedWorker] = field(default_factory=dict)
-    _idle_since: dict[str, float] = field(default_factory=dict)
-    _due: list[tuple[float, str]] = field(default_factory=list)
-    _lines: list[str] = field(default_factory=list)
+    def __init__(self, size: int, spent: ProcessorTime) -> None:
+        """`spent` is what counts as time that passes."""
+        self.now = 0.0
+        self.reports_told = self.measurements_told = self.runs_ended = 0
+        self.longest_wait = 0.0
+        self._size = size
+        self._spent = spent
+        self._skipped = 0.0
+        self._waited = 0.0
+        self._draw = random.Random(0)  # noqa: S311
+        self._workers: dict[str, PretendedWorker] = {}
+        self._idle_since: dict[str, float] = {}
+        self._due: list[tuple[float, str]] = []
+        self._lines: list[str] = []
 
     def start(self) -> None:
-        draw = random.Random(0)  # noqa: S311
-        for number in range(self.size):
-            name = f"worker-{number}"
-            self._workers[name] = PretendedWorker(name, draw.randrange(POINTS))
-            self._say([Ready(name, number, "here")])
-            self._idle_since[name] = self._time()
+        """Bring all workers up at once."""
+        for number in range(self._size):
+            worker = PretendedWorker(f"worker-{number}", -1)
+            self._workers[worker.name] = worker
+            self._idle_since[worker.name] = self._time()
+            self._say([Ready(worker.name, number, "here")])
 
     def train(self, worker: str, work: Work) -> None:
+        """Give a worker a cohort; the first one is in its midst, so that not all end at once."""
         json.dumps(work.to_json())  # as it goes to a real pool
-        with self.spent.uncounted():
+        with self._spent.uncounted():
             now, trainee = self._time(), self._workers[worker]
             self._wait(now - self._idle_since.pop(worker))
-            self._say(trainee.begin(work))
-            heapq.heappush(self._due, (now + REPORT_SECONDS, worker))
+            told = self._draw.randrange(POINTS) if trainee.told < 0 else 0
+            self._say(trainee.begin(work, now, told))
+            heapq.heappush(self._due, (trainee.due_after(now), worker))
 
     def reports(self, timeout_seconds: float) -> list[Report]:
-        with self.spent.uncounted():
+        """Read what the workers have said by now; skip time until one says something."""
+        with self._spent.uncounted():
             self.now = self._time()
             if not self._lines and self._due:
                 until = min(self._due[0][0], self.now + timeout_seconds)
@@ -128,28 +136,31 @@ class PretendedPool:
         return [from_line(line) for line in lines]
 
     def acknowledge(self, count: int) -> None:
-        self.acknowledged += count
+        """Keep nothing."""
 
     def drop(self, worker: str, seeds: Collection[int]) -> None:
+        """Nobody cancels anything."""
         raise AssertionError(f"{worker} was told to drop {seeds}")
 
     def kill(self, worker: str) -> None:
+        """No worker is silent."""
         raise AssertionError(f"{worker} was to be killed")
 
     def close(self) -> None:
-        pass
+        """Nothing to end."""
 
     @property
-    def idle(self) -> int:
-        """How many workers have no cohort."""
-        return len(self._idle_since)
+    def is_idle(self) -> bool:
+        """Whether any worker has no cohort."""
+        return bool(self._idle_since)
 
-    def waiting(self) -> float:
-        """Seconds that those workers have waited so far that wait for a cohort now."""
-        return sum(self.now - since for since in self._idle_since.values())
+    @property
+    def waited(self) -> float:
+        """Seconds that all workers have waited: for a cohort, or to have their news taken in."""
+        return self._waited + sum(self.now - since for since in self._idle_since.values())
 
     def _time(self) -> float:
-        return self.spent.total + self._skipped
+        return self._spent.total + self._skipped
 
     def _train_until(self, now: float) -> None:
         """Have every worker say what it has to say by then, as far as it need not wait."""
@@ -160,6 +171,7 @@ class PretendedPool:
             said[name] = said.get(name, 0) + 1
             if said[name] > UNTAKEN:
                 self._wait(now - due)
+                self._workers[name].began += now - due
                 held_up.append(name)
             else:
                 self._report(self._workers[name], due)
@@ -167,19 +179,19 @@ class PretendedPool:
             heapq.heappush(self._due, (now, name))
 
     def _report(self, worker: PretendedWorker, due: float) -> None:
-        reports = worker.report()
-        self._say(reports)
-        self.taken += 1
-        if worker.point < POINTS:
-            heapq.heappush(self._due, (due + REPORT_SECONDS, worker.name))
+        before = worker.told
+        self._say(worker.report(due))
+        self.reports_told += 1
+        self.measurements_told += (worker.told - before) * len(worker.work.runs)
+        if worker.told < POINTS:
+            heapq.heappush(self._due, (worker.due_after(due), worker.name))
         else:
-            worker.point = 0
-            self.ended += len(worker.seeds)
+            self.runs_ended += len(worker.work.runs)
             self._idle_since[worker.name] = due
 
     def _wait(self, seconds: float) -> None:
-        self.lost += seconds
-        self.longest = max(self.longest, seconds)
+        self._waited += seconds
+        self.longest_wait = max(self.longest_wait, seconds)
 
     def _say(self, reports: Sequence[Report]) -> None:
         self._lines += map(to_line, reports)

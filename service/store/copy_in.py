@@ -6,22 +6,28 @@ from typing import Any
 from sqlalchemy import Connection, Table
 from sqlalchemy.exc import DBAPIError
 
-TYPES = {"BIGINT": "int8", "DOUBLE PRECISION": "float8", "BYTEA": "bytea"}
+TYPES = {"BIGINT": "int8", "DOUBLE PRECISION": "float8", "BYTEA": "bytea", "TEXT": "text"}
 
 
-def copy_in(connection: Connection, table: Table, rows: Sequence[tuple[Any, ...]]) -> None:
-    """Write rows, all columns in the table's order, in the transaction that is under way.
+def copy_in(
+    connection: Connection,
+    table: Table,
+    rows: Sequence[tuple[Any, ...]],
+    names: Sequence[str] | None = None,
+) -> None:
+    """Write rows, of these columns or all in the table's order, in the transaction under way.
 
     What the driver raises comes out as SQLAlchemy raises it: psycopg's COPY is not among the
     things that SQLAlchemy does itself.
     """
     driver = connection.dialect.loaded_dbapi
-    names = ", ".join(column.name for column in table.columns)
-    statement = f"COPY {table.name} ({names}) FROM STDIN (FORMAT BINARY)"
+    columns = [table.columns[name] for name in names or table.columns.keys()]
+    listed = ", ".join(column.name for column in columns)
+    statement = f"COPY {table.name} ({listed}) FROM STDIN (FORMAT BINARY)"
     try:
         cursor: Any = connection.connection.cursor()
         with cursor, cursor.copy(statement) as copy:
-            copy.set_types([TYPES[each.type.compile(connection.dialect)] for each in table.columns])
+            copy.set_types([TYPES[each.type.compile(connection.dialect)] for each in columns])
             for row in rows:
                 copy.write_row(row)
     except driver.Error as error:

@@ -9,9 +9,11 @@ from sqlalchemy import Connection, func, select
 from service.event import Event
 from service.run import RunStatus
 from service.store.column_types import now
+from service.store.copy_in import copy_in
 from service.store.tables import events, sweeps
 
 Entry = Mapping[str, Any]
+COLUMNS = ("sweep_number", "kind", "payload", "created_at")
 
 
 def sweep_changed(sweep_number: int, sweep_id: str, change: str) -> Entry:
@@ -56,18 +58,13 @@ def append(connection: Connection, entries: Sequence[Entry]) -> None:
         (entry["sweep_number"], entry["kind"], json.dumps(entry["payload"], allow_nan=False))
         for entry in entries
     ]
-    clock = now().compile(dialect=connection.dialect)
-    insert = "INSERT INTO events (sweep_number, kind, payload, created_at)"
     if connection.dialect.name == "sqlite":
-        connection.exec_driver_sql(f"{insert} VALUES (?, ?, ?, {clock})", rows)
-    else:  # one statement, where psycopg would send each row by itself
-        arrays = "unnest(%s::bigint[], %s::text[], %s::text[])"
-        connection.exec_driver_sql(
-            f"{insert} SELECT sweep_number, kind, payload, {clock} "  # noqa: S608
-            f"FROM {arrays} WITH ORDINALITY "
-            "AS entries (sweep_number, kind, payload, place) ORDER BY place",
-            tuple(map(list, zip(*rows, strict=True))),
-        )
+        clock = now().compile(dialect=connection.dialect)
+        insert = f"INSERT INTO events ({', '.join(COLUMNS)}) VALUES (?, ?, ?, {clock})"  # noqa: S608
+        connection.exec_driver_sql(insert, rows)
+    else:
+        created_at = connection.scalar(select(now()))
+        copy_in(connection, events, [(*row, created_at) for row in rows], COLUMNS)
 
 
 def after(connection: Connection, event_id: int, sweep_id: str | None, limit: int) -> list[Event]:

@@ -18,7 +18,6 @@ from algorithms.snapshot import Snapshot
 from tests.object_store import ObjectStore
 from tests.workers.fake_learner import CYCLE, FakeLearner, measurement_of
 from workers import bucket, cadence, cohort, sealed_file
-from workers import execute as module
 from workers.assignment import Assignment
 from workers.checkpoint import find_snapshot
 from workers.disk_folder import DiskFolder
@@ -28,6 +27,7 @@ from workers.place import Place
 from workers.progress import Activity, Progress, Resumption
 from workers.random_play import measure_random_return
 from workers.run_spec import RunSpec
+from workers.work import REPORT_SECONDS
 
 TIMESTEPS = 10 * CYCLE
 SPECS = [RunSpec("fake", "Pendulum", seed, timesteps=TIMESTEPS) for seed in (3, 5, 8)]
@@ -97,11 +97,30 @@ def test_one_has_the_fingerprint_and_where_all_began() -> None:
 def test_the_end_is_said_at_once() -> None:
     begun = time.monotonic()
     run()
-    assert time.monotonic() - begun < module.REPORT_SECONDS / 2
+    assert time.monotonic() - begun < REPORT_SECONDS / 2
 
 
-def test_is_heard_while_a_kernel_compiles(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "REPORT_SECONDS", 0.01)
+def test_what_was_dropped_is_said_at_once() -> None:
+    said = threading.Event()
+
+    def wait_for_the_word(timestep: int) -> Collection[int]:
+        assert timestep < 2 * CYCLE or said.wait(10)
+        return ()
+
+    for progress in execute(
+        assigned(SPECS),
+        NOWHERE,
+        lambda: {5},
+        never,
+        report_seconds=60.0,
+        build_learner=lambda specs: FakeLearner(specs, wait_for_the_word),
+    ):
+        if progress.dropped:
+            said.set()
+    assert said.is_set()
+
+
+def test_is_heard_while_a_kernel_compiles() -> None:
     compiled = threading.Event()
 
     def compile_first(timestep: int) -> Collection[int]:
@@ -115,6 +134,7 @@ def test_is_heard_while_a_kernel_compiles(monkeypatch: pytest.MonkeyPatch) -> No
         NOWHERE,
         tuple,
         never,
+        report_seconds=0.01,
         build_learner=lambda specs: FakeLearner(specs, compile_first),
     ):
         heard.append(progress)
