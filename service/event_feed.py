@@ -112,9 +112,7 @@ class EventFeed:
             events: Sequence[Event] = ()
             try:
                 if self._found.is_set():
-                    events = await run_in_threadpool(
-                        self._store.events_after, self._last, limit=PAGE
-                    )
+                    events = await run_in_threadpool(self._store.events_after, self._last)
                     self._keep(events)
                 else:
                     self._last = await run_in_threadpool(self._store.last_event_id)
@@ -122,7 +120,7 @@ class EventFeed:
                     self._found.set()
             except SQLAlchemyError:
                 log.exception("the event log cannot be read")
-            await asyncio.sleep(0.0 if len(events) == PAGE else PERIOD_SECONDS)
+            await asyncio.sleep(0.0 if len(events) >= PAGE else PERIOD_SECONDS)
 
     def _keep(self, events: Sequence[Event]) -> None:
         if not events:
