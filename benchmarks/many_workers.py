@@ -115,6 +115,7 @@ def measure(name: str, bench: Bench, workers: int) -> None:
     bench.work()
     while bench.pool.is_idle:
         bench.work()
+    bench.work()  # and has said a word
     report(f"{name}, until each had its first cohort", bench.pool.now, "s")
     bench.take_in(workers)
     before = bench.spent
