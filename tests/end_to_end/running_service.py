@@ -6,7 +6,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from functools import cached_property
 from pathlib import Path
@@ -21,14 +21,25 @@ STOP_SECONDS = 20.0
 
 
 class RunningService:
-    """`python -m service` on a free port, with its data in `data_dir`."""
+    """`python -m service` on a free port, with its data in `data_dir`.
 
-    def __init__(self, data_dir: Path) -> None:
-        """Start nothing yet."""
+    Or, where there is one, a command that comes to the same, at an address of this machine.
+    """
+
+    def __init__(
+        self,
+        data_dir: Path,
+        *,
+        environment: Mapping[str, str] | None = None,
+        command: Sequence[str] = (sys.executable, "-m", "service"),
+        address: str = "127.0.0.1",
+    ) -> None:
+        """Start nothing yet. The environment is added to this process's."""
         self.data_dir = data_dir
         self.port = free_port()
-        self.url = f"http://127.0.0.1:{self.port}"
-        self.environment = os.environ | {
+        self.url = f"http://{address}:{self.port}"
+        self._command = command
+        own = {
             "D3PG_DATA_DIR": str(data_dir),
             "D3PG_PORT": str(self.port),
             "D3PG_URL": self.url,
@@ -36,6 +47,7 @@ class RunningService:
             "PYTHONPATH": str(ROOT),
             "NO_COLOR": "1",
         }
+        self.environment = {**os.environ, **own, **(environment or {})}
         self.process: subprocess.Popen[bytes] | None = None
         self.serving_after = 0.0  # seconds from the last start to the first answer
         self.work_until_serving = 0.0  # of a processor, in that time
@@ -46,7 +58,7 @@ class RunningService:
         self.serving_after = 0.0
         with (self.data_dir / "terminal.txt").open("ab") as terminal:
             self.process = subprocess.Popen(
-                [sys.executable, "-m", "service"],
+                self._command,
                 env=self.environment,
                 stdin=subprocess.DEVNULL,
                 stdout=terminal,
@@ -133,9 +145,11 @@ class RunningService:
 
 
 @contextmanager
-def running_service(data_dir: Path) -> Iterator[tuple[RunningService, Client]]:
+def running_service(
+    data_dir: Path, environment: Mapping[str, str] | None = None
+) -> Iterator[tuple[RunningService, Client]]:
     """A service that is up and ready, ended in any case."""
-    service = RunningService(data_dir)
+    service = RunningService(data_dir, environment=environment)
     try:
         yield service, service.start()
     finally:
@@ -163,6 +177,11 @@ def free_port() -> int:
 def is_worker(pid: int) -> bool:
     """Whether a process is a Ray actor that trains."""
     return " ".join(command_line(pid)).startswith("ray::Worker")
+
+
+def is_training(pid: int) -> bool:
+    """Whether a process is a Ray actor that trains now."""
+    return " ".join(command_line(pid)).startswith("ray::Worker.train")
 
 
 def kill(pids: Collection[int]) -> None:

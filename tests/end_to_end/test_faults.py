@@ -7,19 +7,17 @@ import os
 import random
 import signal
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import pysqlite3.dbapi2
 import pytest
 
+from tests.end_to_end.curves import Curves, curves_at_the_end, report, submitted, wait_for
 from tests.end_to_end.running_service import RunningService, kill, running_service, wait_for_end
 from tests.workers.processes import command_line
 
 pytestmark = [pytest.mark.cluster, pytest.mark.slow]
-
-Curve = Mapping[str, Sequence[Any]]
-Curves = dict[tuple[str, float, float, int], Curve]
 
 SWEEP: dict[str, Any] = {
     "name": "in harm's way",
@@ -34,7 +32,6 @@ SWEEP: dict[str, Any] = {
 SMALL = SWEEP | {"algorithms": [{"name": "ddpg"}], "seeds": 4, "timesteps": 40_000}
 KILLS = 50
 LEASE_SECONDS = 15.0
-END_SECONDS = 1800.0
 
 
 @pytest.fixture(scope="module")
@@ -46,12 +43,12 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningService
 @pytest.fixture(scope="module")
 def undisturbed(service: RunningService) -> Curves:
     """Those of the small sweep."""
-    return curves_at_the_end(service, service.client.submit(SMALL).id)
+    return curves_at_the_end(service.client, service.client.submit(SMALL).id)
 
 
 def test_fifty_kills_of_server_and_workers(service: RunningService) -> None:
     begun = time.monotonic()
-    undisturbed = curves_at_the_end(service, service.client.submit(SWEEP).id)
+    undisturbed = curves_at_the_end(service.client, service.client.submit(SWEEP).id)
     report("64 runs, undisturbed", time.monotonic() - begun, "s")
     draw = random.Random(0)  # noqa: S311
     sweep_id = service.client.submit(SWEEP).id
@@ -66,7 +63,7 @@ def test_fifty_kills_of_server_and_workers(service: RunningService) -> None:
         else:
             wait_for(lambda: bool(service.worker_pids()))
             kill([draw.choice(service.worker_pids())])
-    assert curves_at_the_end(service, sweep_id) == undisturbed
+    assert curves_at_the_end(service.client, sweep_id) == undisturbed
     report("killed: servers", victims.count("server"), "")
     report("killed: workers", victims.count("worker"), "")
     report("64 runs, with 50 kills", time.monotonic() - begun, "s")
@@ -78,7 +75,7 @@ def test_fifty_kills_of_server_and_workers(service: RunningService) -> None:
 def test_a_killed_server(
     service: RunningService, undisturbed: Curves, *, with_workers: bool
 ) -> None:
-    sweep_id = submitted(service)
+    sweep_id = submitted(service.client, SMALL)
     begun = time.monotonic()
     service.kill()
     if with_workers:
@@ -93,64 +90,43 @@ def test_a_killed_server(
     wait_for(lambda: not unheard(service, killed_at), 60.0)
     report("killed server: every run is truthful after", time.monotonic() - begun, "s")
     assert time.monotonic() - begun <= 30.0
-    assert curves_at_the_end(service, sweep_id) == undisturbed
+    assert curves_at_the_end(service.client, sweep_id) == undisturbed
     attempts = {run.attempt for run in service.client.runs(sweep_id)}
     assert attempts == ({2} if with_workers else {1})
 
 
 def test_a_killed_raylet(service: RunningService, undisturbed: Curves) -> None:
-    sweep_id = submitted(service)
+    sweep_id = submitted(service.client, SMALL)
     kill(raylets(service))
-    assert curves_at_the_end(service, sweep_id) == undisturbed
+    assert curves_at_the_end(service.client, sweep_id) == undisturbed
     assert {run.attempt for run in service.client.runs(sweep_id)} == {2}
 
 
 def test_a_frozen_raylet(service: RunningService, undisturbed: Curves) -> None:
-    sweep_id = submitted(service)
+    sweep_id = submitted(service.client, SMALL)
     frozen = raylets(service)
     send(signal.SIGSTOP, frozen)
     begun = time.monotonic()
-    assert curves_at_the_end(service, sweep_id) == undisturbed
+    assert curves_at_the_end(service.client, sweep_id) == undisturbed
     report("frozen raylet: sweep done after", time.monotonic() - begun, "s")
-    again = submitted(service)
+    again = submitted(service.client, SMALL)
     report("frozen raylet: another sweep trains after", time.monotonic() - begun, "s")
-    assert curves_at_the_end(service, again) == undisturbed
+    assert curves_at_the_end(service.client, again) == undisturbed
     wait_for_end(frozen)
 
 
 def test_frozen_workers_are_ended_and_others_have_their_runs(
     service: RunningService, undisturbed: Curves
 ) -> None:
-    sweep_id = submitted(service)
+    sweep_id = submitted(service.client, SMALL)
     frozen = service.worker_pids()
     send(signal.SIGSTOP, frozen)
     begun = time.monotonic()
     wait_for(lambda: all(run.attempt == 2 for run in service.client.runs(sweep_id)), 90.0)
     report("frozen workers: others have their runs after", time.monotonic() - begun, "s")
     wait_for_end(frozen)
-    assert curves_at_the_end(service, sweep_id) == undisturbed
+    assert curves_at_the_end(service.client, sweep_id) == undisturbed
     assert {run.attempt for run in service.client.runs(sweep_id)} == {2}
-
-
-def submitted(service: RunningService) -> str:
-    """The small sweep, once every run of it trains."""
-    sweep_id = service.client.submit(SMALL).id
-    wait_for(lambda: all(run.timestep >= 800 for run in service.client.runs(sweep_id)))
-    return sweep_id
-
-
-def curves_at_the_end(service: RunningService, sweep_id: str) -> Curves:
-    """Everything that was measured but the time it took, once all runs have succeeded."""
-    client = service.client
-    ended = client.wait(sweep_id, timeout_seconds=END_SECONDS)
-    assert ended.runs.succeeded == ended.runs.total, ended
-    curves: Curves = {}
-    for run in client.runs(sweep_id):
-        columns = client.measurements(run.id).columns
-        assert list(columns["timestep"]) == list(range(800, run.timesteps + 1, 800))
-        key = (run.algorithm, run.weights.w1, run.weights.w2, run.seed)
-        curves[key] = {name: list(v) for name, v in columns.items() if "seconds" not in name}
-    return curves
 
 
 def unheard(service: RunningService, since: float) -> int:
@@ -175,14 +151,3 @@ def send(number: signal.Signals, pids: Sequence[int]) -> None:
             os.kill(pid, number)
         except ProcessLookupError:
             continue
-
-
-def wait_for(is_so: Callable[[], bool], seconds: float = END_SECONDS) -> None:
-    deadline = time.monotonic() + seconds
-    while not is_so():
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
-
-
-def report(name: str, value: float, unit: str) -> None:
-    print(f"{name}: {value:.3g} {unit}".rstrip())  # noqa: T201

@@ -80,7 +80,7 @@ class PostgreSQL:
 
     def execute(self, statement: str, database: str = "postgres") -> None:
         """Run one statement outside of any transaction, as the server's owner."""
-        with psycopg.connect(self._conninfo(database), autocommit=True) as connection:
+        with psycopg.connect(self.conninfo(database), autocommit=True) as connection:
             connection.execute(statement.encode())
 
     def create(self, name: str) -> str:
@@ -93,7 +93,8 @@ class PostgreSQL:
         """The address of a database, for SQLAlchemy."""
         return f"postgresql+psycopg://d3pg@/{database}?host={self._folder}"
 
-    def _conninfo(self, database: str) -> str:
+    def conninfo(self, database: str) -> str:
+        """The address of a database, for psycopg."""
         return f"host={self._folder} user=d3pg dbname={database}"
 
 
