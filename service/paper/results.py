@@ -3,7 +3,7 @@
     measurements/<environment>/<algorithm>.csv   a line a measurement; return_mean with all digits
     figure-<n>.svg, figure-<n>.png
     table-1.csv, table-1.md
-    statistics.json                              as `GET /sweeps/{id}/statistics` has it
+    statistics.json                              `GET /sweeps/{id}/statistics`, by sweep
     gains.csv                                    service.paper.differences
     provenance.json
 
@@ -54,18 +54,29 @@ def write(client: Client, sweeps: Sequence[SweepAnswer], folder: Path) -> list[s
     folder.mkdir(parents=True, exist_ok=True)
     lacking: list[str] = []
     evidence: dict[str, Any] = {}
+    statistics: dict[str, Any] = {}
+    gained: list[Gain] = []
     for sweep in sweeps:
         runs = list(client.runs(sweep.id))
         rows = {run.id: client.measurement_rows(run.id) for run in runs}
         _write_measurements(folder / "measurements", runs, rows)
         lacking += _write_figures(client, sweep, folder)
         evidence[sweep.name] = _provenance(sweep, runs, rows)
+        if "4" in FIGURES[sweep.name]:
+            _write_table(client, sweep, folder)
         if FIGURES[sweep.name] != ("2",):
-            _write_comparison(client, sweep, runs, rows, folder)
+            statistics[sweep.name] = client.statistics(sweep.id).model_dump(mode="json")
+            measured_runs = [_as_arrays(run, rows[run.id]) for run in runs]
+            gained += gains(measured_runs, units(client, sweep.id))
     provenance = {"versions": versions(), "machine": machine(), "sweeps": evidence}
-    text = json.dumps(provenance, indent=1, sort_keys=True) + "\n"
-    (folder / "provenance.json").write_text(text, encoding="utf-8")
+    _write_json(folder / "provenance.json", provenance)
+    _write_json(folder / "statistics.json", statistics)
+    _write_gains(folder / "gains.csv", gained)
     return lacking
+
+
+def _write_json(file: Path, document: Mapping[str, Any]) -> None:
+    file.write_text(json.dumps(document, indent=1, sort_keys=True) + "\n", encoding="utf-8")
 
 
 def versions() -> dict[str, str]:
@@ -128,26 +139,19 @@ def _write_figures(client: Client, sweep: SweepAnswer, folder: Path) -> Iterator
             (folder / f"figure-{number}.{form}").write_bytes(picture)
 
 
-def _write_comparison(
-    client: Client,
-    sweep: SweepAnswer,
-    runs: Sequence[RunAnswer],
-    rows: Mapping[str, Sequence[Row]],
-    folder: Path,
-) -> None:
-    """Write what compares the algorithms: table 1, the statistics, what the hybrids gain."""
+def _write_table(client: Client, sweep: SweepAnswer, folder: Path) -> None:
     for form, file in TABLES.items():
         text = client.table_text(sweep.id, form, normalized=True)
         (folder / file).write_text(text, encoding="utf-8", newline="")
-    statistics = client.statistics(sweep.id).model_dump_json(indent=1)
-    (folder / "statistics.json").write_text(statistics + "\n", encoding="utf-8")
-    measured_runs = [_as_arrays(run, rows[run.id]) for run in runs]
-    with (folder / "gains.csv").open("w", encoding="utf-8", newline="") as output:
+
+
+def _write_gains(file: Path, gained: Iterable[Gain]) -> None:
+    with file.open("w", encoding="utf-8", newline="") as output:
         writer = csv.writer(output, lineterminator="\n")
         writer.writerow(
             ("environment", "algorithm", "w1", "w2", "cost", "n", "wins", "mean", "low", "high")
         )
-        writer.writerows(map(_gain_row, gains(measured_runs, units(client, sweep.id))))
+        writer.writerows(map(_gain_row, gained))
 
 
 def _gain_row(gain: Gain) -> tuple[object, ...]:

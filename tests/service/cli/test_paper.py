@@ -53,14 +53,16 @@ def test_an_evaluation_is_taken_up_and_written(
         "environments": ["Pendulum"],
     }
     monkeypatch.setattr(evaluation, "COMPARISON", one_task)
+    soft = {**evaluation.SOFT, "environments": ["Pendulum"]}
+    monkeypatch.setattr(evaluation, "SOFT", soft)
     store.record_random_return(random_return("Pendulum", RANDOM))
     begun = d3pg("paper", "write", *QUICK, "-o", str(tmp_path)).stdout
-    assert f"Wrote {tmp_path}/: 0 of 14 runs have ended." in begun.replace("\n", "")
+    assert f"Wrote {tmp_path}/: 0 of 18 runs have ended." in begun.replace("\n", "")
     with workers(store):
         ended = d3pg("paper", *QUICK, "-o", str(tmp_path)).stdout
-    assert "14 of 14 runs have ended." in ended
-    assert "figure 6 is not there yet" in ended, "there are no runs for it"
-    assert len(list(service.sweeps())) == 2
+    assert "18 of 18 runs have ended." in ended
+    assert "figure 5 is not there yet" in " ".join(ended.split()), "there are no runs for it"
+    assert len(list(service.sweeps())) == 3
 
     [sweep] = [sweep for sweep in service.sweeps() if "all methods" in sweep.name]
     [_, run] = service.runs(sweep.id, algorithm="mpc", environment="Pendulum")
@@ -80,6 +82,8 @@ def test_an_evaluation_is_taken_up_and_written(
     gain = gains["hybrid-ddpg", "timesteps"]
     assert (gain["n"], gain["wins"]) == ("2", "2"), "the longer name earns more"
     assert float(gain["mean"]) == pytest.approx(50 * len("hybrid-") / -RANDOM, rel=1e-4)
+
+    assert gains["hybrid-sac", "timesteps"]["n"] == "2", "of another sweep, in the same table"
 
     provenance = json.loads((tmp_path / "provenance.json").read_text())
     assert provenance["sweeps"][sweep.name]["runs"]["succeeded"] == 6

@@ -1,10 +1,12 @@
 """The tuning's definition: every sweep can be submitted, and no seed is the evaluation's."""
 
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from algorithms.presets import preset
+from service.cli.paper import read_tuning
 from service.paper import tuning
 from service.paper.evaluation import COMPARISON, SEEDS, evaluation
 from service.paper.tuning import Outcome, best
@@ -13,6 +15,7 @@ from service.submission.plan import Plan
 from service.submission.plan import plan as plan_in
 
 WORKER_MEMORY = 16 * 2**30
+RESULTS = Path(__file__).parents[3] / "results"
 
 
 def plan(request: SweepRequest) -> Plan:
@@ -56,6 +59,16 @@ def test_what_is_known_is_not_run_again() -> None:
     assert tuning.weights_sweep("Pendulum", "hybrid-sac", {"reward_scale": 3.0}, everything) is None
 
 
+@pytest.mark.parametrize("algorithm", [*tuning.SETTINGS, *tuning.HYBRIDS])
+def test_the_presets_are_what_the_recorded_search_found_best(algorithm: str) -> None:
+    rows = read_tuning(RESULTS)
+    searched = {row.environment for row in rows if row.algorithm == algorithm}
+    assert searched >= set(tuning.SOFT_TASKS)
+    for task in searched:
+        chosen, reached = preset(algorithm, task), best(rows, task, algorithm)
+        assert (chosen.weights, dict(chosen.config)) == (reached.weights, dict(reached.config))
+
+
 def test_no_seed_of_the_tuning_is_evaluated() -> None:
     assert not set(tuning.SEEDS) & set(range(SEEDS))
 
@@ -71,18 +84,18 @@ def test_the_first_of_the_best_is_chosen() -> None:
 
 
 def test_the_evaluation_has_every_method_where_it_applies() -> None:
-    critic, comparison = (plan(SweepRequest(**request)) for request in evaluation(2))
+    comparison, critic, soft = (plan(SweepRequest(**request)) for request in evaluation(2))
     assert {cell.timesteps for cell in critic.cells} == {60_000}
     cells = {(cell.algorithm, cell.environment) for cell in comparison.cells}
-    assert len(cells) == len(comparison.cells) == 7 + 7 + 6 + 6 + 7 + 5 + 5
+    assert len(cells) == len(comparison.cells) == 7 + 7 + 6 + 6 + 7
     assert ("mpc", "Acrobot") not in cells
-    assert ("sac", "HalfCheetah") not in cells
-    for cell in comparison.cells:
+    assert len(soft.cells) == 5 + 5
+    for cell in (*comparison.cells, *soft.cells):
         assert cell.timesteps == preset(cell.algorithm, cell.environment).timesteps
     assert set(COMPARISON["environments"]) == {cell.environment for cell in comparison.cells}
 
 
 def test_a_quick_look_takes_a_share_of_the_timesteps() -> None:
-    _, comparison = (plan(SweepRequest(**request)) for request in evaluation(1, scale=0.02))
+    comparison, *_ = (plan(SweepRequest(**request)) for request in evaluation(1, scale=0.02))
     longest = max(cell.timesteps for cell in comparison.cells)
     assert longest <= 0.02 * 1_488_000 + 800
