@@ -1,0 +1,83 @@
+"""Two workers: what a second one adds, against the ideal of twice as much.
+
+16 seeds of hybrid-ddpg on Pendulum by `workers/execute.py`, in one process alone and then in two at
+once, each on one thread, with warm kernels. What counts is updates of all seeds together a second,
+from the first measurement to the last by the learner's own clock: loading, compiling and writing
+checkpoints are not in it.
+
+    python -m benchmarks.two_workers [TIMESTEPS]
+"""
+
+import multiprocessing
+import sys
+import tempfile
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing.synchronize import Barrier
+from pathlib import Path
+
+from algorithms.measurement import Measurement
+from workers.assignment import Assignment
+from workers.execute import execute
+from workers.run_spec import COHORT_LIMIT, RunSpec
+
+TIMESTEPS = 20_000
+ROUNDS = 3
+WEIGHTS = (0.1, 0.1)
+
+_start: Barrier | None = None  # of a process
+
+
+def main() -> None:
+    """Print the best rate of one worker and of two, and their ratio."""
+    timesteps = int(sys.argv[1]) if len(sys.argv) > 1 else TIMESTEPS
+    together(1, 1600)  # compiles the kernels, or finds them compiled
+    one = max(together(1, timesteps) for _ in range(ROUNDS))
+    two = max(together(2, timesteps) for _ in range(ROUNDS))
+    report("one worker", one, "seed-updates/s")
+    report("two workers", two, "seed-updates/s")
+    report("two workers / one, at best 2", two / one, "")
+
+
+def together(workers: int, timesteps: int) -> float:
+    """Seed-updates a second of so many processes at once, all told."""
+    context = multiprocessing.get_context("spawn")  # forked, they would share the BLAS's threads
+    start = context.Barrier(workers)
+    with ProcessPoolExecutor(workers, context, initializer=keep, initargs=(start,)) as processes:
+        return sum(processes.map(train, [timesteps] * workers))
+
+
+def keep(start: Barrier) -> None:
+    """Keep what all begin at."""
+    global _start  # noqa: PLW0603  (a barrier cannot be an argument of a task)
+    _start = start
+
+
+def train(timesteps: int) -> float:
+    """Train a cohort, beginning with the others; return its seed-updates a second."""
+    specs = [
+        RunSpec("hybrid-ddpg", "Pendulum", seed, WEIGHTS, timesteps) for seed in range(COHORT_LIMIT)
+    ]
+    runs = [Assignment(f"run-{spec.seed}", 1, spec) for spec in specs]
+    assert _start is not None
+    _start.wait()
+    with tempfile.TemporaryDirectory() as folder:
+        told = list(execute(runs, Path(folder), tuple, abandoned))
+    by_seed: dict[int, list[Measurement]] = {}
+    for measurement in (m for progress in told for m in progress.measurements):
+        by_seed.setdefault(measurement.seed, []).append(measurement)
+    updates = sum(points[-1].updates - points[0].updates for points in by_seed.values())
+    seconds = sum(points[-1].seconds - points[0].seconds for points in by_seed.values())
+    return updates / seconds
+
+
+def abandoned() -> None:
+    """Never: `list` takes what is told at once."""
+    raise AssertionError("nobody listened")
+
+
+def report(name: str, value: float, unit: str) -> None:
+    print(f"{name}: {value:,.4g} {unit}".rstrip(), flush=True)
+
+
+if __name__ == "__main__":
+    main()
