@@ -61,7 +61,7 @@ def test_an_evaluation_is_taken_up_and_written(
     with workers(store):
         ended = d3pg("paper", *QUICK, "-o", str(tmp_path)).stdout
     assert "18 of 18 runs have ended." in ended
-    assert "figure 5 is not there yet" in " ".join(ended.split()), "there are no runs for it"
+    assert "figure 3 is not there yet" in " ".join(ended.split()), "there are no runs for it"
     assert len(list(service.sweeps())) == 3
 
     [sweep] = [sweep for sweep in service.sweeps() if "all methods" in sweep.name]
