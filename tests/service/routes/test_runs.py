@@ -32,7 +32,7 @@ def test_a_run_says_all_about_itself(client: TestClient, store: Store) -> None:
         "environment_version": 1,
         "seed": 1,
         "weights": {"w1": 0.1, "w2": 0.01},
-        "config": {},
+        "config": {"noise": 0.2, "critic_decay": 0.01},
         "timesteps": 4000,
         "timestep": 0,
         "status": "queued",
