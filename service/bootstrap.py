@@ -31,6 +31,8 @@ def wired(settings: Settings) -> Iterator[FastAPI]:
                     settings.ray_address,
                     settings.data_dir,
                     settings.checkpoint_place,
+                    settings.min_workers,
+                    settings.max_workers,
                 )
             )
             dispatcher = Dispatcher(

@@ -26,6 +26,7 @@ from service.scheduler_messages import (
     ClaimCohort,
     Claimed,
     Command,
+    Demand,
     Drop,
     Event,
     Fail,
@@ -196,6 +197,8 @@ class Dispatcher:
             case ClaimCohort(worker, lease_seconds, limit):
                 found = self._store.claim_cohort(worker, lease_seconds, limit, self._limit_of)
                 return Claimed(worker, found)
+            case Demand(workers):
+                self._pool.demand(workers)
             case Train(worker, work):
                 self._pool.train(worker, work)
             case Drop(worker, seeds):
@@ -207,8 +210,9 @@ class Dispatcher:
         return None
 
     def _count_waiting(self, limit: int) -> Waiting:
-        waiting = self._store.waiting_runs(limit)
-        return Waiting(waiting, frozenset(self._store.random_returns() if waiting else ()))
+        cells = tuple(self._store.waiting_cells(limit))
+        known = self._store.random_returns() if cells else ()
+        return Waiting(cells, limit, frozenset(known))
 
     def _start_pool(self) -> PoolLost | None:
         try:

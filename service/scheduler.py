@@ -17,6 +17,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from service.claim import Claim
+from service.cohort_size import cohort_size, cohorts
 from service.scheduler_messages import (
     AskCancelling,
     AskWaiting,
@@ -24,6 +25,7 @@ from service.scheduler_messages import (
     ClaimCohort,
     Claimed,
     Command,
+    Demand,
     Drop,
     Event,
     Fail,
@@ -41,13 +43,22 @@ from service.scheduler_messages import (
     Waiting,
 )
 from workers.progress import Progress
-from workers.report import Busy, Ended, Failed, Lost, News, Ready
+from workers.report import Busy, Capacity, Ended, Failed, Lost, News, Ready, Retired
 from workers.run_spec import COHORT_LIMIT
 from workers.work import Work
 
 REPORTS_A_SECOND = 250
 """Of all workers together. Where there are more, each reports less often: what they measure comes
 in fewer transactions, and the cost of a report is for the most part one of its sixteen runs."""
+WORKERS_STARTING = "the cluster's workers are starting"
+NO_CORES = (
+    "the cluster has no core to train on: runs wait until a node with cores has joined it "
+    "(`ray start --address=... --num-cpus=...`), or its autoscaler has added one"
+)
+
+
+DEMANDED_COHORTS = 256
+"""So many that wait are counted: more workers than that are not called for at a time."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +71,7 @@ class DispatchTimes:
     grace    a worker that was told to drop a run has so long to do so before it is killed
     round    longest wait for reports; how late a cancelling or a new sweep is seen
     expiry   between two looks for expired leases
+    demand   between two looks at how much work there is, where no worker is idle
     restart  before a pool that failed is started again, doubled each time up to `longest_restart`
     """
 
@@ -69,6 +81,7 @@ class DispatchTimes:
     grace: float = 5.0
     round: float = 0.1
     expiry: float = 1.0
+    demand: float = 2.0
     restart: float = 1.0
     longest_restart: float = 30.0
 
@@ -105,6 +118,9 @@ class State:
     restart_wait     how long after the next loss
     ticked_at        the last tick; None before the first
     expiry_at        when expired leases are looked for
+    capacity         how many workers the cluster has room for
+    demand           how many workers the pool was told there is work for; None: it was not told yet
+    demand_at        when that is looked at again
     """
 
     idle: tuple[str, ...] = ()
@@ -117,6 +133,14 @@ class State:
     restart_wait: float = 0.0
     ticked_at: float | None = None
     expiry_at: float = -math.inf
+    capacity: int = 0
+    demand: int | None = None
+    demand_at: float = -math.inf
+
+    @property
+    def free_cores(self) -> int:
+        """Those of idle workers, and those that the pool can bring more workers up on."""
+        return max(len(self.idle), self.capacity - len(self.cohorts))
 
 
 Step = tuple[State, list[Command]]
@@ -148,6 +172,10 @@ def step(  # noqa: PLR0911, PLR0912  (one an event)
             return _free(state, worker), [fail]
         case Lost(worker, reason, log_tail):
             return _lost(state, worker, reason, log_tail)
+        case Retired(worker):
+            return _retired(state, worker)
+        case Capacity():
+            return _room(state, event), []
         case PoolLost():
             return _pool_lost(state, event, now, times)
         case Cancelling(runs):
@@ -177,8 +205,11 @@ def _tick(state: State, now: float, times: DispatchTimes) -> Step:
     if now >= state.expiry_at:
         state = replace(state, expiry_at=now + times.expiry)
         commands.append(LoseExpired())
-    if state.idle:
-        commands.append(_ask_waiting(state))
+    is_due = now >= state.demand_at
+    if is_due:
+        state = replace(state, demand_at=now + times.demand)
+    if is_due or state.idle:
+        commands.append(_ask_waiting(state, DEMANDED_COHORTS if is_due else 0))
     return replace(state, ticked_at=now), commands
 
 
@@ -222,6 +253,22 @@ def _up(state: State) -> State:
     return replace(state, problem="", lost_since="", restart_wait=0.0)
 
 
+def _room(state: State, room: Capacity) -> State:
+    """Take what the cluster has room for into account; the workers may all be yet to come."""
+    state = replace(_up(state), capacity=room.workers)
+    if not room.workers:
+        return replace(state, problem=NO_CORES)
+    is_starting = room.slots and not (state.idle or state.cohorts)
+    return replace(state, problem=WORKERS_STARTING if is_starting else "")
+
+
+def _retired(state: State, worker: str) -> Step:
+    """Put back at once what the worker was given too late."""
+    cohort = state.cohorts.get(worker)
+    reason = "its worker was retired before it began"
+    return _without(state, worker), [] if cohort is None else [Release(cohort.claim, reason)]
+
+
 def _lost(state: State, worker: str, reason: str, log_tail: str) -> Step:
     cohort = state.cohorts.get(worker)
     return _without(state, worker), [] if cohort is None else [Lose(cohort.claim, reason, log_tail)]
@@ -242,6 +289,8 @@ def _pool_lost(state: State, lost: PoolLost, now: float, times: DispatchTimes) -
         lost_since=since,
         restart_at=now + wait,
         restart_wait=min(2 * wait, times.longest_restart),
+        capacity=0,
+        demand=None,
     )
     return gone, commands
 
@@ -266,12 +315,18 @@ def _cancel(state: State, runs: frozenset[str], now: float, times: DispatchTimes
 
 
 def _waiting(state: State, waiting: Waiting, times: DispatchTimes) -> Step:
-    """Claim an even share of what waits for the worker that has been idle longest."""
+    """Claim for the worker that has been idle longest; say how many workers there is work for."""
     state = replace(state, random_returns=waiting.random_returns)
-    if not state.idle or not waiting.runs:
-        return state, []
-    share = min(math.ceil(waiting.runs / len(state.idle)), COHORT_LIMIT)
-    return state, [ClaimCohort(state.idle[0], times.lease, share)]
+    size = cohort_size(waiting.cells, state.free_cores)
+    demand = len(state.cohorts) + cohorts(waiting.cells, size)
+    commands: list[Command] = []
+    is_counted = sum(waiting.cells) < waiting.limit or demand > (state.demand or 0)
+    if state.pool_is_up and is_counted and demand != state.demand:
+        state = replace(state, demand=demand)
+        commands.append(Demand(demand))
+    if state.idle and waiting.cells:
+        commands.append(ClaimCohort(state.idle[0], times.lease, size))
+    return state, commands
 
 
 def _claimed(
@@ -305,9 +360,9 @@ def _report_seconds(state: State, times: DispatchTimes) -> float:
     return min(max(times.report, workers / REPORTS_A_SECOND), times.longest_report)
 
 
-def _ask_waiting(state: State) -> AskWaiting:
-    """Ask for as many as the idle workers could have."""
-    return AskWaiting(len(state.idle) * COHORT_LIMIT)
+def _ask_waiting(state: State, cohorts: int = 0) -> AskWaiting:
+    """Ask for as much as the free cores, or so many workers, could have at once."""
+    return AskWaiting(max(state.free_cores, cohorts) * COHORT_LIMIT)
 
 
 # ---- changes of state

@@ -43,9 +43,13 @@ class Cancelling:
 
 @dataclass(frozen=True)
 class Waiting:
-    """How many runs could be claimed, as far as was asked, and whose random return is known."""
+    """How many runs of each cell could be claimed, and whose random return is known.
 
-    runs: int
+    No more than `limit` runs were counted.
+    """
+
+    cells: tuple[int, ...]
+    limit: int
     random_returns: frozenset[Version]
 
 
@@ -129,6 +133,13 @@ class StartPool:
 
 
 @dataclass(frozen=True)
+class Demand:
+    """There is work for so many workers."""
+
+    workers: int
+
+
+@dataclass(frozen=True)
 class Train:
     """Have a worker train a cohort."""
 
@@ -154,5 +165,5 @@ class Kill:
 StoreCommand = (
     Record | Lose | Release | Fail | LoseExpired | AskCancelling | AskWaiting | ClaimCohort
 )
-PoolCommand = StartPool | Train | Drop | Kill
+PoolCommand = StartPool | Demand | Train | Drop | Kill
 Command = StoreCommand | PoolCommand

@@ -27,6 +27,8 @@ class Settings(BaseSettings):
     database_url  SQLAlchemy URL; empty: SQLite in the data directory
     ray_address   a Ray cluster to join; empty: a local one of the service's own
     workers       local worker slots; default: the cores this process may use
+    min_workers   on a joined cluster: workers that are kept however little there is to do
+    max_workers   on a joined cluster: the most there may be, and that its autoscaler is asked for
     worker_memory what the runs of one worker may fill ("6GB"); default: a share of the machine's
     token         access token; empty: the data directory's token file
     allow_host    host names, besides loopback, under which browsers may reach the service
@@ -47,6 +49,8 @@ class Settings(BaseSettings):
     database_url: str = ""
     ray_address: str = ""
     workers: int = Field(default_factory=lambda: len(os.sched_getaffinity(0)), ge=1, le=4096)
+    min_workers: int = Field(default=1, ge=0, le=4096)
+    max_workers: int = Field(default=1024, ge=1, le=4096)
     worker_memory: ByteSize | None = Field(default=None, ge=LEAST_BYTES)
     token: SecretStr | None = None
     allow_host: Annotated[tuple[str, ...], NoDecode] = ()
@@ -80,6 +84,15 @@ class Settings(BaseSettings):
             raise ValueError(
                 f"D3PG_HOST={self.host} makes the service reachable from other machines: name the "
                 "host names it is reached by in D3PG_ALLOW_HOST (--allow-host), separated by commas"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _refuse_more_than_most(self) -> Self:
+        if self.min_workers > self.max_workers:
+            raise ValueError(
+                f"D3PG_MIN_WORKERS={self.min_workers} is more than "
+                f"D3PG_MAX_WORKERS={self.max_workers}: lower the one or raise the other"
             )
         return self
 

@@ -5,7 +5,8 @@ import shutil
 import socket
 from pathlib import Path
 
-from workers.actor import drive
+from workers.cluster import drive
+from workers.placement import Bounds
 
 
 def main() -> None:
@@ -13,7 +14,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m workers")
     parser.add_argument("--listener", type=int, required=True, help="descriptor of the socket")
     parser.add_argument("--spool", type=Path, required=True, help="file for undelivered reports")
-    parser.add_argument("--workers", type=int, required=True, help="local worker slots")
+    parser.add_argument("--least", type=int, required=True, help="workers that are always kept")
+    parser.add_argument("--most", type=int, required=True, help="workers at most")
     parser.add_argument("--address", required=True, help="cluster to join; empty: a local one")
     parser.add_argument("--logs", type=Path, required=True, help="folder of the workers' logs")
     parser.add_argument("--checkpoints", required=True, help="folder or s3://bucket/prefix")
@@ -23,7 +25,7 @@ def main() -> None:
     try:
         drive(
             listener,
-            options.workers,
+            Bounds(options.least, options.most),
             options.address,
             logs=options.logs,
             checkpoints=options.checkpoints,

@@ -14,17 +14,29 @@ from collections.abc import Iterable
 from io import BufferedWriter
 from pathlib import Path
 
-from workers.report import Busy, Ended, Failed, Lost, Ready, Report, from_line, to_line
+from workers.report import (
+    Busy,
+    Capacity,
+    Ended,
+    Failed,
+    Lost,
+    Ready,
+    Report,
+    Retired,
+    from_line,
+    to_line,
+)
 
 GREETING = '{"kind": "greeting"}'
 """The first line of every connection: the pool is there and speaks."""
 
 
 class Roster:
-    """What each worker is doing, as a report that says so."""
+    """What each worker is doing, as a report that says so, and what the cluster has room for."""
 
     def __init__(self) -> None:
         """Know of no worker."""
+        self._capacity: Capacity | None = None
         self._ready: dict[str, Ready] = {}
         self._doing: dict[str, Report] = {}
 
@@ -38,14 +50,17 @@ class Roster:
             case Ended(worker) | Failed(worker):
                 if worker in self._ready:
                     self._doing[worker] = self._ready[worker]
-            case Lost(worker):
+            case Lost(worker) | Retired(worker):
                 self._ready.pop(worker, None)
                 self._doing.pop(worker, None)
+            case Capacity():
+                self._capacity = report
 
     @property
     def reports(self) -> list[Report]:
-        """One for each worker."""
-        return list(self._doing.values())
+        """One for the cluster, once it is known, and one for each worker."""
+        of_cluster = [] if self._capacity is None else [self._capacity]
+        return [*of_cluster, *self._doing.values()]
 
     @property
     def workers(self) -> list[str]:

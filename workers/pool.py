@@ -19,7 +19,10 @@ class Pool(Protocol):
     """
 
     def start(self) -> None:
-        """Begin to bring workers up; each says Ready. Raises PoolUnavailableError."""
+        """Begin to bring workers up, for which there is Capacity; each says Ready.
+
+        Raises PoolUnavailableError.
+        """
 
     def train(self, worker: str, work: Work) -> None:
         """Train a cohort: Busy, News as often as is asked for, then Ended, Failed or Lost.
@@ -32,6 +35,12 @@ class Pool(Protocol):
 
     def kill(self, worker: str) -> None:
         """End a worker's process, whatever it does; Lost."""
+
+    def demand(self, workers: int) -> None:
+        """Say that there is work for so many workers: they come, as far as the cluster can.
+
+        Those that are not needed end after a while, each with Retired, or stay.
+        """
 
     def reports(self, timeout_seconds: float) -> list[Report]:
         """Wait that long for reports and return those that came, in order.

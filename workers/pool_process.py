@@ -19,7 +19,7 @@ import sys
 import tempfile
 import threading
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from io import BufferedReader
 from pathlib import Path
 from typing import Any
@@ -27,6 +27,7 @@ from typing import Any
 from workers.log_tail import log_tail
 from workers.outbox import read_spool
 from workers.place import Place
+from workers.placement import Bounds
 from workers.pool import PoolUnavailableError
 from workers.pool_environment import pool_environment
 from workers.process_group import kill_group, runs_with, wait_for_end
@@ -47,12 +48,23 @@ class PoolSettings:
     ray_address  a cluster to join; empty: a local one, made and ended with the pool
     data_dir     takes the token file, the logs and the spools
     checkpoints  where the workers keep them: a folder, as they see it, or s3://bucket/prefix
+    min_workers  on a joined cluster: kept however little there is to do
+    max_workers  on a joined cluster: the most there may be
     """
 
     workers: int
     ray_address: str
     data_dir: Path
     checkpoints: Place
+    min_workers: int = 1
+    max_workers: int = 1024
+
+    @property
+    def bounds(self) -> Bounds:
+        """How many workers there may be."""
+        if self.ray_address:
+            return Bounds(self.min_workers, self.max_workers)
+        return Bounds(self.workers, self.workers)
 
 
 class PoolProcess:
@@ -92,6 +104,10 @@ class PoolProcess:
     def kill(self, worker: str) -> None:
         """End a worker's process."""
         self._send(do="kill", worker=worker)
+
+    def demand(self, workers: int) -> None:
+        """There is work for so many workers."""
+        self._send(do="demand", workers=workers)
 
     def reports(self, timeout_seconds: float) -> list[Report]:
         """Wait for reports. Raises PoolUnavailableError when the process has ended.
@@ -161,7 +177,8 @@ class PoolProcess:
                     "-m",
                     "workers",
                     f"--listener={listener.fileno()}",
-                    f"--workers={self._settings.workers}",
+                    f"--least={self._settings.bounds.least}",
+                    f"--most={self._settings.bounds.most}",
                     f"--address={self._settings.ray_address}",
                     f"--logs={logs.resolve()}",
                     f"--checkpoints={self._settings.checkpoints}",
@@ -220,7 +237,7 @@ class PoolProcess:
         return {
             "process": self._process_id,
             "scratch": self._scratch,
-            "workers": self._settings.workers,
+            "bounds": asdict(self._settings.bounds),
             "ray_address": self._settings.ray_address,
             "checkpoints": str(self._settings.checkpoints),
         }

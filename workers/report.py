@@ -55,14 +55,32 @@ class Failed:
 
 @dataclass(frozen=True)
 class Lost:
-    """A worker is no more. Another one will be ready in its place."""
+    """A worker is no more. Another one will be ready in its place, unless its node has gone."""
 
     worker: str
     reason: str
     log_tail: str
 
 
-Report = Ready | Busy | News | Ended | Failed | Lost
+@dataclass(frozen=True)
+class Retired:
+    """A worker that had nothing to do was ended. What it was given since then has not begun."""
+
+    worker: str
+
+
+@dataclass(frozen=True)
+class Capacity:
+    """How many workers the cluster has room for now, and for how many of them there are slots.
+
+    Told when it changes.
+    """
+
+    workers: int
+    slots: int
+
+
+Report = Ready | Busy | News | Ended | Failed | Lost | Retired | Capacity
 
 KINDS: Mapping[str, type[Report]] = {
     "ready": Ready,
@@ -71,6 +89,8 @@ KINDS: Mapping[str, type[Report]] = {
     "ended": Ended,
     "failed": Failed,
     "lost": Lost,
+    "retired": Retired,
+    "capacity": Capacity,
 }
 
 

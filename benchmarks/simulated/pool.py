@@ -123,6 +123,9 @@ class PretendedPool:
             self._say(trainee.begin(work, now, told))
             heapq.heappush(self._due, (trainee.due_after(now), worker))
 
+    def demand(self, workers: int) -> None:
+        """Pretend no more workers."""
+
     def reports(self, timeout_seconds: float) -> list[Report]:
         """Read what the workers have said by now; skip time until one says something."""
         with self._spent.uncounted():

@@ -17,6 +17,8 @@ SERVE_FLAGS = {
     "database_url": "D3PG_DATABASE_URL",
     "ray_address": "D3PG_RAY_ADDRESS",
     "workers": "D3PG_WORKERS",
+    "min_workers": "D3PG_MIN_WORKERS",
+    "max_workers": "D3PG_MAX_WORKERS",
     "worker_memory": "D3PG_WORKER_MEMORY",
     "token": "D3PG_TOKEN",
     "allow_host": "D3PG_ALLOW_HOST",
@@ -33,6 +35,10 @@ def serve(
     database_url: Annotated[str | None, typer.Option(help="Another database.")] = None,
     ray_address: Annotated[str | None, typer.Option(help="A Ray cluster to join.")] = None,
     workers: Annotated[int | None, typer.Option(help="Local worker slots; the cores.")] = None,
+    min_workers: Annotated[
+        int | None, typer.Option(help="Kept on a joined cluster, however idle; 1.")
+    ] = None,
+    max_workers: Annotated[int | None, typer.Option(help="Most on a joined cluster; 1024.")] = None,
     worker_memory: Annotated[
         str | None, typer.Option(help="What the runs of one may fill, such as 6GB.")
     ] = None,

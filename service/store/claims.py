@@ -14,6 +14,7 @@ from sqlalchemy import (
     Row,
     Select,
     bindparam,
+    case,
     exists,
     func,
     insert,
@@ -44,25 +45,42 @@ ALONE_AFTER = 2
 def claim(
     connection: Connection, worker: str, lease_seconds: float, limit: CellLimit
 ) -> Claim | None:
-    """Claim queued runs of one cell, as many as are its limit, or None when nothing waits.
+    """Claim queued runs of one cell, as many as are its limit, or None when nothing waits."""
+    sweep = _next_sweep(connection)
+    if sweep is None:
+        return None
+    taken = _take(connection, _cohort(connection, sweep.number, limit), lease_seconds)
+    _note(connection, sweep, taken, worker)
+    claimed = (
+        ClaimedRun(
+            run_name(sweep.id, row.ordinal), row.attempt, spec_of(row), row.environment_version
+        )
+        for row in taken
+    )
+    return Claim(worker, lease_seconds, tuple(claimed))
 
-    The sweep: highest priority, then fewest running runs, then longest not served, then oldest.
-    In it: the first waiting run, and others of its cell that were left at the same timestep, for
-    those train together.
+
+def _next_sweep(connection: Connection) -> Row[Any, Any] | None:
+    """Find the sweep whose turn it is, of those in which a run waits.
+
+    Highest priority, then fewest running runs, then longest not served, then oldest.
     """
     of_sweep = runs.c.sweep_number == sweeps.c.number
     # No EXISTS: PostgreSQL would look at every queued run of every sweep.
     waiting = select(runs.c.number).where(of_sweep, is_waiting).correlate(sweeps).limit(1)
     running = select(func.count()).where(of_sweep, is_running).correlate(sweeps).scalar_subquery()
-    sweep = connection.execute(
+    return connection.execute(
         select(sweeps.c.number, sweeps.c.id)
         .where(waiting.scalar_subquery().is_not(None))
         .order_by(sweeps.c.priority.desc(), running, sweeps.c.last_claimed_at, sweeps.c.number)
         .limit(1)
     ).one_or_none()
-    if sweep is None:
-        return None
-    numbers = _cohort(connection, sweep.number, limit)
+
+
+def _take(
+    connection: Connection, numbers: Sequence[int], lease_seconds: float
+) -> Sequence[Row[Any]]:
+    """Begin an attempt of each run, under a lease; in the order of the sweep."""
     taken = connection.execute(
         update(runs)
         .where(runs.c.number.in_(numbers), is_queued)
@@ -78,7 +96,13 @@ def claim(
         )
         .returning(runs)
     ).all()
-    taken = sorted(taken, key=lambda row: row.ordinal)
+    return sorted(taken, key=lambda row: row.ordinal)
+
+
+def _note(
+    connection: Connection, sweep: Row[Any, Any], taken: Sequence[Row[Any]], worker: str
+) -> None:
+    """Note that the sweep was served, the attempts, and what whoever watches is to know."""
     connection.execute(
         update(sweeps).where(sweeps.c.number == sweep.number).values(last_claimed_at=now())
     )
@@ -86,33 +110,25 @@ def claim(
         insert(attempts),
         [{"run_number": row.number, "attempt": row.attempt, "worker": worker} for row in taken],
     )
-    events.append(
-        connection,
-        [
-            events.run_changed(
-                sweep.number,
-                run_name(sweep.id, row.ordinal),
-                status=RunStatus.RUNNING,
-                reason="",
-                attempt=row.attempt,
-                timestep=row.timestep,
-            )
-            for row in taken
-        ],
-    )
-    return Claim(
-        worker,
-        lease_seconds,
-        tuple(
-            ClaimedRun(
-                run_name(sweep.id, row.ordinal), row.attempt, spec_of(row), row.environment_version
-            )
-            for row in taken
-        ),
-    )
+    changes = [
+        events.run_changed(
+            sweep.number,
+            run_name(sweep.id, row.ordinal),
+            status=RunStatus.RUNNING,
+            reason="",
+            attempt=row.attempt,
+            timestep=row.timestep,
+        )
+        for row in taken
+    ]
+    events.append(connection, changes)
 
 
 def _cohort(connection: Connection, sweep_number: int, limit: CellLimit) -> list[int]:
+    """Return the first waiting run, and others of its cell that were left at the same timestep.
+
+    Those train together.
+    """
     of_sweep = runs.c.sweep_number == sweep_number
     first = connection.execute(
         select(runs).where(of_sweep, is_waiting).order_by(runs.c.ordinal).limit(1)
@@ -192,7 +208,12 @@ def has_expired(connection: Connection) -> bool:
     return bool(connection.scalar(select(exists().where(has_ended))))
 
 
-def waiting(connection: Connection, limit: int) -> int:
-    """Return how many runs could be claimed now; no more than the limit are counted."""
-    found = select(runs.c.number).where(is_waiting).limit(limit).subquery()
-    return connection.scalar(select(func.count()).select_from(found)) or 0
+def waiting_cells(connection: Connection, limit: int) -> list[int]:
+    """Return of each cell how many runs could be claimed now, together.
+
+    No more runs than the limit are counted.
+    """
+    alone = case((runs.c.losses >= ALONE_AFTER, runs.c.number), else_=0)
+    together = (runs.c.sweep_number, runs.c.cell, runs.c.checkpoint_timestep, alone.label("alone"))
+    found = select(*together).where(is_waiting).limit(limit).subquery()
+    return list(connection.scalars(select(func.count()).select_from(found).group_by(*found.c)))

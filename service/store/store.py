@@ -203,9 +203,12 @@ class Store:
             )
         )
 
-    def waiting_runs(self, limit: int) -> int:
-        """Return how many runs could be claimed now; no more than the limit are counted."""
-        return self._reader.read(lambda c: claims.waiting(c, limit))
+    def waiting_cells(self, limit: int) -> list[int]:
+        """Return of each cell how many runs could be claimed now, together.
+
+        No more runs than the limit are counted.
+        """
+        return self._reader.read(lambda c: claims.waiting_cells(c, limit))
 
     def count_runs(self) -> dict[str, int]:
         """Return how many runs of all sweeps there are by status, every status named."""

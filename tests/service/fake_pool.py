@@ -93,6 +93,7 @@ class FakePool:
         self.problem = ""
         self.starts = 0
         self.acknowledged = 0
+        self.demanded: list[int] = []
         self.asked_random_returns: list[str] = []
         self.is_closed = False
         self._made = 0
@@ -114,6 +115,9 @@ class FakePool:
         found.is_frozen = self.is_freezing
         if work.measure_random_return:
             self.asked_random_returns.append(work.specs[0].environment)
+
+    def demand(self, workers: int) -> None:
+        self.demanded.append(workers)
 
     def drop(self, worker: str, seeds: Collection[int]) -> None:
         if (found := self.workers.get(worker)) is not None:

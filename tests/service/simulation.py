@@ -22,6 +22,7 @@ from service.scheduler_messages import (
     ClaimCohort,
     Claimed,
     Command,
+    Demand,
     Drop,
     Event,
     Fail,
@@ -44,7 +45,7 @@ from tests.service.memory_database import in_memory
 from tests.service.promises import Promises
 from tests.service.simulated_users import SimulatedUsers
 from workers.progress import Progress
-from workers.report import Busy, Ended, Failed, Lost, News, Ready, Report
+from workers.report import Busy, Capacity, Ended, Failed, Lost, News, Ready, Report, Retired
 
 WORKERS = 3
 TIMESTEPS = 4 * CYCLE
@@ -55,7 +56,7 @@ LONGEST_STEP = 1.0
 """Seconds that pass at most from one tick to the next while nothing is frozen."""
 
 
-QUESTIONS = (AskCancelling, AskWaiting, Train, Drop, Kill, StartPool)
+QUESTIONS = (AskCancelling, AskWaiting, Demand, Train, Drop, Kill, StartPool)
 """Commands that change nothing in the store."""
 
 
@@ -133,6 +134,8 @@ class Simulation:
             (self.users.retry_sweep, 0.6),
             (self.crash, 0.8),
             (self.vanish, 0.3),
+            (self.retire, 0.5),
+            (self.resize, 0.5),
             (self.freeze, 0.5),
             (self.thaw, 1),
             (self.repeat, 2),
@@ -263,7 +266,7 @@ class Simulation:
             case AskCancelling():
                 return Cancelling(frozenset(self.store.cancelling_runs()))
             case AskWaiting(limit):
-                return Waiting(self.store.waiting_runs(limit), frozenset())
+                return Waiting(tuple(self.store.waiting_cells(limit)), limit, frozenset())
             case ClaimCohort(worker, lease, limit):
                 return Claimed(worker, self.store.claim_cohort(worker, lease, limit))
             case Train(worker, work):
@@ -376,7 +379,7 @@ class Simulation:
         for simulated, report in self.in_hand:
             self.delivered.append(report)
             simulated.hear(report)
-            if isinstance(report, Lost):
+            if isinstance(report, Lost | Retired):
                 del self.workers[simulated.worker.name]
         self.in_hand = []
 
@@ -406,6 +409,23 @@ class Simulation:
         simulated.is_gone = simulated.is_ended = True
         simulated.reports.append(Lost(name, "its worker was lost: SIGKILL", "last words"))
         self.make_worker()
+        return True
+
+    def retire(self) -> bool:
+        """End a worker that does nothing; the service may give it work before it hears of that."""
+        simulated = self.workers.get(self.any_worker())
+        if simulated is None or simulated.is_gone or simulated.worker.specs:
+            return False
+        simulated.is_gone = simulated.is_ended = True
+        simulated.reports.append(Retired(simulated.worker.name))
+        self.make_worker()
+        return True
+
+    def resize(self) -> bool:
+        """Have the cluster say what it has room for."""
+        if self.commands or not self.state.pool_is_up:
+            return False
+        self.give(Capacity(self.random.randint(0, 2 * WORKERS), slots=len(self.workers)))
         return True
 
     def freeze(self) -> bool:

@@ -364,7 +364,7 @@ def test_the_thread_says_that_the_database_refuses_and_recovers(
     def refuse(limit: int) -> int:
         raise refused
 
-    monkeypatch.setattr(store, "waiting_runs", refuse)
+    monkeypatch.setattr(store, "waiting_cells", refuse)
     dispatcher.start()
     try:
         wait_for(lambda: "disk I/O error" in problem_of(dispatcher))

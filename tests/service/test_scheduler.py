@@ -11,15 +11,26 @@ from typing import Any
 import pytest
 from sqlalchemy import ColumnElement, Connection, Row
 
-from service.claim import Claim
+from service.claim import Claim, ClaimedRun
 from service.run import FINAL, RunStatus
-from service.scheduler import DispatchTimes, State, step
+from service.scheduler import NO_CORES, WORKERS_STARTING, DispatchTimes, State, step
+from service.scheduler_messages import (
+    ClaimCohort,
+    Claimed,
+    Command,
+    Demand,
+    Event,
+    Release,
+    Tick,
+    Waiting,
+)
 from service.store import claims, endings, records, sweep_moves
 from service.store.moves import move
 from service.store.runs import run_name
 from service.store.tables import is_running
 from tests.service.simulation import Simulation
-from workers.report import Busy
+from workers.report import Busy, Capacity, Lost, Ready, Report, Retired
+from workers.run_spec import RunSpec
 
 STEPS = int(os.environ.get("D3PG_SIMULATED_STEPS", "4000"))
 STEPS_OF_THE_LONG_TEST = 100_000
@@ -71,6 +82,61 @@ def test_what_a_worker_said_of_an_earlier_cohort_displaces_none() -> None:
     state, _ = step(State(), Busy("a", "new-0/1", note), 0.0, DispatchTimes())
     repeated, commands = step(state, Busy("a", "old-0/1", note), 1.0, DispatchTimes())
     assert (repeated.cohorts, commands) == (state.cohorts, [])
+
+
+def told(state: State, *events: Event) -> tuple[State, list[Command]]:
+    """The state after events, and all that was commanded."""
+    commands: list[Command] = []
+    for event in events:
+        state, more = step(state, event, 0.0, DispatchTimes())
+        commands += more
+    return state, commands
+
+
+def test_says_whether_the_cluster_has_room_for_workers() -> None:
+    ready, lost = Ready("a", 1, "here"), Lost("a", "its node is gone", "")
+    standing: list[tuple[Report, str]] = [
+        (Capacity(0, slots=0), NO_CORES),
+        (Capacity(2, slots=1), WORKERS_STARTING),
+        (ready, ""),
+        (Capacity(1, slots=1), ""),
+        (lost, ""),
+        (Capacity(0, slots=0), NO_CORES),
+        (Capacity(9, slots=0), ""),  # they come when there is work
+    ]
+    state = State()
+    for report, problem in standing:
+        state, _ = told(state, report)
+        assert state.problem == problem, report
+
+
+def waiting(*cells: int, limit: int = 10_000) -> Waiting:
+    return Waiting(cells, limit, frozenset())
+
+
+def test_a_cell_is_split_over_free_cores_though_only_one_worker_is_up() -> None:
+    state, _ = told(State(), Tick(), Capacity(8, slots=1), Ready("a", 1, "here"))
+    state, commands = told(state, waiting(16))
+    assert commands == [Demand(8), ClaimCohort("a", DispatchTimes().lease, 2)]
+
+
+def test_more_is_demanded_than_there_is_room_for_until_nothing_waits() -> None:
+    busy = Busy("a", "x-0/1", Claim("a", 15.0, ()).to_json())
+    state, _ = told(State(), Tick(), Capacity(1, slots=1), busy)
+    state, commands = told(state, waiting(16, 16, 5))
+    assert commands == [Demand(4)]
+    assert told(state, waiting(16, 16, 5))[1] == []  # the pool knows
+    assert told(state, waiting(16, limit=16))[1] == []  # more may wait than was counted
+    assert told(state, waiting())[1] == [Demand(1)]
+    assert told(State(), Tick(), waiting())[1][-1] == Demand(0)  # as far as this pool was told
+
+
+def test_what_a_retired_worker_was_given_is_put_back_at_once() -> None:
+    claim = Claim("a", 15.0, (ClaimedRun("x-0", 1, RunSpec("ddpg", "Pendulum", 0), 1),))
+    state, _ = told(State(), Ready("a", 1, "here"), Claimed("a", claim))
+    state, commands = told(state, Retired("a"))
+    assert commands == [Release(claim, "its worker was retired before it began")]
+    assert (state.idle, state.cohorts) == ((), {})
 
 
 # ---- a store that lacks one of its fences is found out

@@ -33,6 +33,12 @@ def test_environment_variables(monkeypatch: pytest.MonkeyPatch) -> None:
     assert settings.url == "http://127.0.0.1:8080"
 
 
+def test_no_more_workers_are_kept_than_there_may_be() -> None:
+    assert Settings(min_workers=0).min_workers == 0
+    with pytest.raises(ValidationError, match="D3PG_MIN_WORKERS=5 is more than D3PG_MAX_WORKERS=4"):
+        Settings(min_workers=5, max_workers=4)
+
+
 def test_worker_memory_is_by_default_a_share_of_the_machines(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

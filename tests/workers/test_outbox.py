@@ -7,7 +7,7 @@ import pytest
 
 from workers.outbox import GREETING, Outbox, read_spool
 from workers.progress import Progress
-from workers.report import Busy, Ended, Lost, News, Ready, Report, from_line, to_line
+from workers.report import Busy, Capacity, Ended, Lost, News, Ready, Report, from_line, to_line
 
 READY = Ready("worker-1", 4711, "here")
 BUSY = Busy("worker-1", "a-0/1", {"note": 1})
@@ -103,3 +103,15 @@ def test_it_trains_on_a_disk_that_takes_nothing(tmp_path: Path) -> None:
     listener = Listener(outbox)
     assert listener.hear(2) == [READY, BUSY]
     listener.close()
+
+
+def test_what_the_cluster_has_room_for_is_told_to_every_listener(outbox: Outbox) -> None:
+    put(outbox, Capacity(1, slots=1), READY, Capacity(2, slots=1))
+    first = Listener(outbox)
+    assert first.hear(3) == [Capacity(1, slots=1), READY, Capacity(2, slots=1)]
+    outbox.acknowledge(3)
+    outbox.detach()
+    first.close()
+    second = Listener(outbox)
+    assert second.hear(2) == [Capacity(2, slots=1), READY]
+    second.close()

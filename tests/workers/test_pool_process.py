@@ -3,75 +3,23 @@
 import os
 import signal
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from tests.workers.heard import ENDLESS, Heard
 from tests.workers.processes import listening_beyond_loopback, processes_with
-from workers.assignment import Assignment
 from workers.checkpoint import find_snapshot
 from workers.pool import PoolUnavailableError
 from workers.pool_environment import pool_environment
 from workers.pool_process import PoolProcess, PoolSettings
-from workers.report import Busy, Ended, Failed, Lost, News, Ready, Report
+from workers.report import Busy, Ended, Failed, Lost, News, Ready
 from workers.run_spec import RunSpec
-from workers.work import Work
 
 pytestmark = pytest.mark.cluster
 
 SPECS = [RunSpec("ddpg", "Pendulum", seed, timesteps=1600) for seed in range(4)]
-ENDLESS = [RunSpec("ddpg", "Pendulum", seed, timesteps=10**8) for seed in range(2)]
-PATIENCE_SECONDS = 240.0  # kernels may have to be compiled first
-
-
-def assigned(specs: list[RunSpec]) -> list[Assignment]:
-    return [Assignment(f"run-{spec.seed}", 1, spec) for spec in specs]
-
-
-class Heard:
-    """A pool with all that it has reported."""
-
-    def __init__(self, folder: Path) -> None:
-        self.settings = PoolSettings(2, "", folder, folder / "checkpoints")
-        self.pool = PoolProcess(self.settings)
-        self.reports: list[Report] = []
-        self.cohorts = 0
-
-    def wait_for(self, is_it: Callable[[Report], bool]) -> Report:
-        """Listen until a report comes that is the one."""
-        deadline = time.monotonic() + PATIENCE_SECONDS
-        while time.monotonic() < deadline:
-            came = self.pool.reports(1.0)
-            self.reports += came
-            for report in came:
-                if is_it(report):
-                    return report
-        raise AssertionError(f"not heard; the last: {self.reports[-3:]}")
-
-    def idle_worker(self) -> Ready:
-        """Another worker, once one is ready."""
-        ready = self.wait_for(lambda report: isinstance(report, Ready))
-        assert isinstance(ready, Ready)
-        return ready
-
-    def train(self, worker: str, specs: list[RunSpec], *, measure: bool = False) -> str:
-        """Have specs trained; the cohort's name."""
-        self.cohorts += 1
-        cohort = f"cohort-{self.cohorts}"
-        work = Work(cohort, tuple(assigned(specs)), measure, {"note": self.cohorts})
-        self.pool.train(worker, work)
-        return cohort
-
-    def wait_for_training(self, worker: str) -> None:
-        def is_training(report: Report) -> bool:
-            return (
-                isinstance(report, News)
-                and report.worker == worker
-                and report.progress.timestep > 0
-            )
-
-        self.wait_for(is_training)
 
 
 @pytest.fixture(scope="module")

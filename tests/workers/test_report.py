@@ -11,7 +11,19 @@ from hypothesis import strategies as st
 from algorithms.measurement import Divergence, Measurement
 from workers.progress import Activity, CheckpointAttempt, Progress, Resumption
 from workers.random_return import RandomReturn
-from workers.report import Busy, Ended, Failed, Lost, News, Ready, Report, from_line, to_line
+from workers.report import (
+    Busy,
+    Capacity,
+    Ended,
+    Failed,
+    Lost,
+    News,
+    Ready,
+    Report,
+    Retired,
+    from_line,
+    to_line,
+)
 
 COUNTS = st.integers(0, 2**53)
 MEASUREMENTS = st.builds(
@@ -35,6 +47,8 @@ MEASUREMENTS = st.builds(
         Ended("worker-1", "a-0/1"),
         Failed("worker-1", "a-0/1", "Traceback\nValueError: 'ü'\n", "a\nb"),
         Lost("worker-1", "killed", ""),
+        Retired("worker-1"),
+        Capacity(3, slots=2),
         News(
             "worker-1",
             "a-0/1",

@@ -25,7 +25,7 @@ def sweep_of(claim: Claim) -> str:
 
 def test_nothing_waits(store: Store) -> None:
     assert store.claim_cohort("w", LEASE) is None
-    assert store.waiting_runs(limit=100) == 0
+    assert store.waiting_cells(limit=100) == []
 
 
 def test_a_cohort_is_of_one_cell(store: Store, submit: Submit) -> None:
@@ -221,7 +221,7 @@ def test_a_loss_is_waited_for(url: str) -> None:
     specs = [RunSpec("ddpg", "Pendulum", 0)]
     patient.create_sweep("x", 0, {}, specs, environment_versions={"Pendulum": 1})
     patient.lose(claim_of(patient), "its worker was lost")
-    assert patient.waiting_runs(limit=100) == 0
+    assert patient.waiting_cells(limit=100) == []
     assert patient.claim_cohort("w", LEASE) is None
     patient.close()
 
@@ -299,6 +299,22 @@ def test_a_claim_that_was_given_up_spoils_none_of_the_others(store: Store, submi
     assert store.measurements(other.runs[0].run_id) == [point]
 
 
-def test_no_more_waiting_runs_are_counted_than_asked(store: Store, submit: Submit) -> None:
+def test_no_more_runs_that_wait_are_counted_than_asked(store: Store, submit: Submit) -> None:
     submit(seeds=5)
-    assert [store.waiting_runs(limit) for limit in (1, 5, 100)] == [1, 5, 5]
+    assert [store.waiting_cells(limit) for limit in (1, 5, 100)] == [[1], [5], [5]]
+
+
+def test_what_waits_is_counted_by_what_could_be_claimed_together(
+    store: Store, submit: Submit
+) -> None:
+    submit(seeds=5, environments=("Pendulum", "MassPoint"))
+    submit(seeds=2)
+    assert sorted(store.waiting_cells(limit=100)) == [2, 5, 5]
+    for _ in range(ALONE_AFTER):
+        store.lose(claim_of(store, limit=3), "its worker was lost")
+    counted = sorted(store.waiting_cells(limit=100))
+    assert sum(counted) == 12
+    sizes = []
+    while (claim := store.claim_cohort("w", LEASE)) is not None:
+        sizes.append(len(claim.runs))
+    assert counted == sorted(sizes)

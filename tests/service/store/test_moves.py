@@ -37,7 +37,7 @@ def test_a_paused_sweep_starts_nothing_and_what_runs_goes_on(store: Store, submi
         assert (paused.status, paused.runs) == (SweepStatus.PAUSED, RunCounts(paused=2, running=2))
         assert paused.eta_seconds is None
     assert store.claim_cohort("w", LEASE) is None
-    assert store.waiting_runs(limit=100) == 0
+    assert store.waiting_cells(limit=100) == []
     assert store.record(claim, Progress(1600, finished=(0,))) == {f"{sweep.id}-1"}
     store.lose(claim, "its worker was lost")
     assert counts(store, sweep.id) == RunCounts(paused=3, succeeded=1)  # lost runs wait as well

@@ -1,0 +1,38 @@
+"""Where workers may be: each on a core of a living node, as many as there is work for."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Node:
+    """A living node of the cluster: the name that Ray gave it, and its cores for workers."""
+
+    name: str
+    cores: int
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """How many workers there may be.
+
+    least  are kept however little there is to do
+    most   are never exceeded
+    """
+
+    least: int
+    most: int
+
+    def wanted(self, demand: int) -> int:
+        """How many there should be where there is work for so many."""
+        return min(max(demand, self.least), self.most)
+
+
+def vacancies(nodes: Sequence[Node], slots: Mapping[str, int], wanted: int) -> list[Node]:
+    """Return the node of each slot that is to be made, given how many slots each node has.
+
+    The fullest nodes come first, so that the others can be given back.
+    """
+    fullest_first = sorted(nodes, key=lambda node: -slots.get(node.name, 0))
+    free = [node for node in fullest_first for _ in range(node.cores - slots.get(node.name, 0))]
+    return free[: max(0, wanted - sum(slots.values()))]
