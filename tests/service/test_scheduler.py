@@ -208,4 +208,4 @@ def rows_of(connection: Connection, claim: Claim) -> dict[str, Row[Any]]:
 def assert_noticed(how: str) -> None:
     """The worlds of the test above are enough."""
     with pytest.raises(AssertionError, match=how):
-        simulate_worlds(0, 4000)
+        simulate_worlds(0, 12_000)
