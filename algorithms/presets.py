@@ -77,12 +77,12 @@ def planned(horizon: int, timesteps: int, iterations: int = 1) -> Preset:
 TIMESTEPS = {
     "MassPoint": 12_000,
     "CartPole": 60_000,
-    "CartPoleSwingUp": 80_000,
+    "CartPoleSwingUp": 160_000,
     "Pendulum": 20_000,
     "MountainCar": 40_000,
     "Acrobot": 80_000,
     "RollingDie": 60_000,
-    "HalfCheetah": 100_000,
+    "HalfCheetah": 200_000,
 }
 """Of the learners with a replay: enough for ddpg to come to rest."""
 

@@ -58,7 +58,11 @@ PAPER: Mapping[Number, PaperFigure] = {
         shows_policies=True,
         max_curves=MAX_LEARNERS,
     ),
-    "4": PaperFigure("the hybrid and what it is measured by", ("hybrid-ddpg", "ddpg", "mpc", "gd")),
+    "4": PaperFigure(
+        "the hybrid and what it is measured by",
+        ("hybrid-ddpg", "ddpg", "mpc", "gd"),
+        draw="service.figures.learning_figure:draw",
+    ),
     "5": PaperFigure("the cosine loss", ("hybrid-ddpg-cosine", "ddpg")),
     "6": PaperFigure("soft actor-critic", ("hybrid-sac", "sac")),
 }
