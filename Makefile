@@ -65,7 +65,7 @@ fast: $(VENV)/installed-dev postgresql
 	@echo "== Tests: fast"
 	@$(PYTEST) -m "not slow and not cluster and not browser"
 
-cluster: $(VENV)/installed-dev
+cluster: $(VENV)/installed-dev postgresql
 	@echo "== Tests: with a real local Ray"
 	@$(PYTEST) -m "cluster and not slow and not browser"
 

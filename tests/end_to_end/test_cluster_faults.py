@@ -1,0 +1,218 @@
+"""What can befall a cluster: its nodes, its head, its network and its service, one after the other.
+
+Each node is on a machine of its own (see `machine.py`), as in `docker/compose.yml`, and what has
+ended is started again, as Docker does it. Every sweep is compared with its twin that a service with
+a local Ray has trained. Needs root, for the networks.
+"""
+
+import os
+import secrets
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import psycopg
+import pytest
+
+from tests.end_to_end.curves import Curves, curves_at_the_end, report, wait_for
+from tests.end_to_end.machine import Machine, can_separate, separate_machines
+from tests.end_to_end.ray_node import Node, cluster_environment, head, worker
+from tests.end_to_end.running_service import RunningService, running_service
+from tests.service.store.postgresql import PostgreSQL, running_postgresql
+
+pytestmark = [
+    pytest.mark.cluster,
+    pytest.mark.slow,
+    pytest.mark.skipif(not can_separate(), reason="root may make networks, others may not"),
+]
+
+SERVE = Path(__file__).resolve().parents[2] / "docker" / "serve-in-cluster"
+SWEEP: dict[str, Any] = {  # four cohorts of two runs for two cores, so that some wait
+    "name": "in harm's way",
+    "algorithms": [
+        {"name": "ddpg"},
+        {"name": "hybrid-ddpg", "weights": [{"w1": w, "w2": 0.1} for w in (0.0, 0.1, 1.0)]},
+    ],
+    "environments": ["Pendulum"],
+    "seeds": 2,
+    "timesteps": 16_000,
+}
+LEASE_SECONDS = 15.0
+TRUTHFUL_SECONDS = 30.0
+
+
+@dataclass(frozen=True)
+class Cluster:
+    """A head without cores, two nodes with one each, and the service, a node without cores."""
+
+    head: Node
+    nodes: Sequence[Node]
+    machine: Machine
+    """The service's."""
+    service: RunningService
+    database: PostgreSQL
+
+    def keep_up(self) -> bool:
+        """Start what has ended, as Docker does; whether all is up."""
+        is_up = [node.keep_up() for node in (self.head, *self.nodes)]
+        return all(is_up)
+
+    def kill_service(self) -> None:
+        """End its container by force."""
+        self.service.kill()
+        self.machine.kill()
+
+    def unheard(self, since: float) -> int:
+        """How many runs are said to be running of which no word has come since then."""
+        return self._count(f"status = 'running' AND lease_until < {since + LEASE_SECONDS}")
+
+    def waiting(self) -> int:
+        """How many runs wait to be tried again."""
+        return self._count("status = 'queued' AND attempt > 0")
+
+    def _count(self, condition: str) -> int:
+        query = f"SELECT count(*) FROM runs WHERE {condition}"  # noqa: S608
+        with psycopg.connect(self.database.conninfo("d3pg")) as connection:
+            found = connection.execute(query.encode()).fetchone()
+        return int(found[0]) if found else 0
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Curves:
+    """Those of a service with a local Ray and SQLite."""
+    with running_service(tmp_path_factory.mktemp("alone")) as (_, client):
+        return curves_at_the_end(client, client.submit(SWEEP).id)
+
+
+@pytest.fixture(scope="module")
+def cluster(
+    undisturbed: Curves,  # first, for the cores
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Iterator[Cluster]:
+    folder = tmp_path_factory.mktemp("cluster")
+    (data_dir := folder / "data").mkdir()
+    token = folder / "ray_token"
+    for name in ("token", "ray_token"):
+        (folder / name).write_text(secrets.token_hex(32))
+        (folder / name).chmod(0o600)
+    with running_postgresql() as database, separate_machines(["h", "one", "two", "s"]) as machines:
+        address = f"{machines[0].address}:6379"
+        environment = cluster_environment(address, token)
+        first = head(machines[0], 6379, environment)
+        nodes = [worker(machine, address, environment) for machine in machines[1:3]]
+        wait_for(first.keep_up)
+        for node in nodes:
+            wait_for(node.keep_up)
+        service = RunningService(
+            data_dir,
+            environment={
+                **environment,
+                **service_environment(machines[3]),
+                "D3PG_RAY_ADDRESS": address,
+                "D3PG_DATABASE_URL": database.create("d3pg"),
+            },
+            command=machines[3].command([str(SERVE), str(folder)]),
+            address=machines[3].address,
+        )
+        cluster = Cluster(first, nodes, machines[3], service, database)
+        try:
+            service.start()
+            yield cluster
+        finally:
+            cluster.kill_service()
+            service.client.close()
+
+
+def service_environment(machine: Machine) -> dict[str, str]:
+    return {
+        **machine.mark,
+        "D3PG_HOST": "0.0.0.0",  # noqa: S104
+        "D3PG_ALLOW_HOST": machine.address,
+        "HOME": str(machine.folder),
+        "PATH": os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]]),
+        "RAY_TMPDIR": str(machine.folder),
+    }
+
+
+def survived(cluster: Cluster, undisturbed: Curves, name: str, fault: Callable[[], None]) -> None:
+    """Let something befall the cluster while it trains on both nodes, and see that it is survived.
+
+    That is: every run is truthful soon, all are at work again, and no curve shows it.
+    """
+    client = cluster.service.client
+    wait_for(cluster.keep_up)
+    sweep_id = client.submit(SWEEP).id
+
+    def is_under_way() -> bool:
+        runs = list(client.runs(sweep_id, status="running"))
+        trained = all(run.timestep >= 800 for run in runs)
+        return trained and all(node.trains for node in cluster.nodes)
+
+    wait_for(is_under_way)
+    begun, begun_at = time.monotonic(), time.time()
+    fault()
+    wait_for(lambda: not cluster.unheard(begun_at))
+    truthful = time.monotonic() - begun
+    report(f"{name}: every run is truthful after", truthful, "s")
+
+    def is_at_work() -> bool:
+        cluster.keep_up()
+        return not cluster.unheard(begun_at) and not cluster.waiting()
+
+    def has_ended() -> bool:
+        cluster.keep_up()
+        return client.sweep(sweep_id).status == "finished"
+
+    wait_for(is_at_work)
+    report(f"{name}: no run waits to be tried again after", time.monotonic() - begun, "s")
+    wait_for(has_ended)
+    report(f"{name}: all runs have ended after", time.monotonic() - begun, "s")
+    assert curves_at_the_end(client, sweep_id) == undisturbed
+    attempts = [run.attempt for run in client.runs(sweep_id)]
+    report(f"{name}: attempts of runs", sum(attempts) / len(attempts), "")
+    assert truthful <= TRUTHFUL_SECONDS
+
+
+def test_a_node_is_killed(cluster: Cluster, undisturbed: Curves) -> None:
+    survived(cluster, undisturbed, "killed node", cluster.nodes[0].machine.kill)
+
+
+def test_a_node_freezes(cluster: Cluster, undisturbed: Curves) -> None:
+    frozen = cluster.nodes[0].machine
+    survived(cluster, undisturbed, "frozen node", frozen.freeze)
+    frozen.thaw()
+    wait_for(lambda: not frozen.is_on)  # Ray ends a node that was counted as dead
+
+
+def test_a_node_is_cut_off(cluster: Cluster, undisturbed: Curves) -> None:
+    lost = cluster.nodes[0].machine
+    survived(cluster, undisturbed, "node cut off", lost.unplug)
+    lost.plug_in()
+    wait_for(lambda: not lost.is_on)  # as above
+
+
+def test_the_service_is_killed(cluster: Cluster, undisturbed: Curves) -> None:
+    def fault() -> None:
+        cluster.kill_service()
+        cluster.service.start()
+
+    survived(cluster, undisturbed, "killed service", fault)
+
+
+def test_the_head_is_killed(cluster: Cluster, undisturbed: Curves) -> None:
+    survived(cluster, undisturbed, "killed head", cluster.head.machine.kill)
+
+
+def test_the_power_is_out(cluster: Cluster, undisturbed: Curves) -> None:
+    def fault() -> None:
+        cluster.head.machine.kill()
+        for node in cluster.nodes:
+            node.machine.kill()
+        cluster.kill_service()
+        cluster.keep_up()
+        cluster.service.start()
+
+    survived(cluster, undisturbed, "no power", fault)
