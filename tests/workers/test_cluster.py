@@ -15,7 +15,7 @@ from tests.end_to_end.running_service import free_port
 from tests.workers.heard import ENDLESS, Heard
 from workers.report import Capacity, Lost, Ready, Report
 
-pytestmark = [pytest.mark.cluster, pytest.mark.timeout(900)]
+pytestmark = pytest.mark.cluster
 
 
 @dataclass
