@@ -21,7 +21,6 @@ MARK = "D3PG_TEST_MACHINE"
 END_SECONDS = 60.0
 AS_A_CONTAINER = ("unshare", "--pid", "--uts", "--fork", "--kill-child", "--mount-proc")
 INIT = 'hostname "$0" && { "$@" & wait $!; }'  # a shell, so that orphans are reaped
-BRIDGE_ADDRESS = "10.213.77.1"
 
 
 class Machine:
@@ -119,17 +118,17 @@ def short_folder() -> Iterator[Path]:
 def separate_machines(names: Sequence[str]) -> Iterator[list[Machine]]:
     """Machines with networks of their own, reachable from this one; all end with the block."""
     bridge = f"d3pg{os.getpid()}"  # an interface's name has 15 bytes at most
+    network = f"198.18.{os.getpid() % 256}"  # for tests of networks, says RFC 2544
     namespaces = [f"{bridge}-{number}" for number in range(len(names))]
     with short_folder() as folder:
         try:
             _ip("link", "add", bridge, "type", "bridge")
-            _ip("address", "add", f"{BRIDGE_ADDRESS}/24", "dev", bridge)
+            _ip("address", "add", f"{network}.1/24", "dev", bridge)
             _ip("link", "set", bridge, "up")
             machines = []
             for number, (name, namespace) in enumerate(zip(names, namespaces, strict=True), 2):
-                address = BRIDGE_ADDRESS.removesuffix("1") + str(number)
-                _connect(namespace, bridge, address)
-                machines.append(Machine(folder / name, address, namespace))
+                _connect(namespace, bridge, network, number)
+                machines.append(Machine(folder / name, f"{network}.{number}", namespace))
             try:
                 yield machines
             finally:
@@ -149,14 +148,14 @@ def can_separate() -> bool:
     return made
 
 
-def _connect(namespace: str, bridge: str, address: str) -> None:
+def _connect(namespace: str, bridge: str, network: str, number: int) -> None:
     _ip("netns", "add", namespace)
     _ip("link", "add", namespace, "type", "veth", "peer", "name", "eth0", "netns", namespace)
     _ip("link", "set", namespace, "master", bridge, "up")
-    _ip("-netns", namespace, "address", "add", f"{address}/24", "dev", "eth0")
+    _ip("-netns", namespace, "address", "add", f"{network}.{number}/24", "dev", "eth0")
     _ip("-netns", namespace, "link", "set", "eth0", "up")
     _ip("-netns", namespace, "link", "set", "lo", "up")
-    _ip("-netns", namespace, "route", "add", "default", "via", BRIDGE_ADDRESS)
+    _ip("-netns", namespace, "route", "add", "default", "via", f"{network}.1")
 
 
 def _ip(*words: str, check: bool = True) -> bool:

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from tests.end_to_end.machine import Machine
-from tests.end_to_end.running_service import is_training
+from tests.end_to_end.running_service import is_training, is_worker
 from workers.pool_environment import pool_environment
 
 HEALTH_CHECKS = {  # a node that does not answer counts as dead after about 8 s
@@ -20,6 +20,7 @@ NODE = (
     "--block",
     "--disable-usage-stats",
     "--include-log-monitor=false",
+    "--dashboard-agent-listen-port=0",  # which would be the same for all, also on loopback
 )
 
 
@@ -62,6 +63,11 @@ class Node:
     def is_up(self) -> bool:
         """Whether it has joined, as it says itself, since it was last started."""
         return self.machine.is_on and "Ray runtime started" in self.machine.terminal()
+
+    @property
+    def has_worker(self) -> bool:
+        """Whether there is a worker on it, at work or idle."""
+        return any(is_worker(pid) for pid in self.machine.processes)
 
     @property
     def trains(self) -> bool:

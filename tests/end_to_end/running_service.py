@@ -1,6 +1,7 @@
 """A real service in processes of its own, as a user runs it."""
 
 import os
+import secrets
 import signal
 import socket
 import subprocess
@@ -18,6 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 START_SECONDS = 60.0
 READY_SECONDS = 90.0
 STOP_SECONDS = 20.0
+PORTS = range(20_000, 32_768)  # below those that Linux gives away by itself, to Ray above all
 
 
 class RunningService:
@@ -49,12 +51,18 @@ class RunningService:
         }
         self.environment = {**os.environ, **own, **(environment or {})}
         self.process: subprocess.Popen[bytes] | None = None
+        self._launched = 0.0
         self.serving_after = 0.0  # seconds from the last start to the first answer
         self.work_until_serving = 0.0  # of a processor, in that time
 
     def start(self) -> Client:
         """Start the service and wait until it answers and its cluster is ready."""
-        begun = time.monotonic()
+        self.launch()
+        return self.wait_until_ready()
+
+    def launch(self) -> None:
+        """Start the service and wait for nothing."""
+        self._launched = time.monotonic()
         self.serving_after = 0.0
         with (self.data_dir / "terminal.txt").open("ab") as terminal:
             self.process = subprocess.Popen(
@@ -64,6 +72,10 @@ class RunningService:
                 stdout=terminal,
                 stderr=terminal,
             )
+
+    def wait_until_ready(self) -> Client:
+        """Wait until the service answers and its cluster is ready."""
+        assert self.process is not None
         deadline = time.monotonic() + START_SECONDS + READY_SECONDS
         while time.monotonic() < deadline:
             assert self.process.poll() is None, self.terminal()
@@ -73,12 +85,21 @@ class RunningService:
                 time.sleep(0.05)
                 continue
             if not self.serving_after:
-                self.serving_after = time.monotonic() - begun
+                self.serving_after = time.monotonic() - self._launched
                 self.work_until_serving = processor_seconds(self.process.pid)
             if status == "ready":
                 return self.client
             time.sleep(0.2)
         raise TimeoutError(f"the service did not become ready:\n{self.terminal()}")
+
+    @property
+    def is_serving(self) -> bool:
+        """Whether it answers, be its cluster ready or not."""
+        try:
+            self.client.readiness()
+        except (OSError, ServiceError):
+            return False
+        return True
 
     @cached_property
     def client(self) -> Client:
@@ -168,10 +189,12 @@ def running_service(
 
 
 def free_port() -> int:
-    """A port that nothing listens on now."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
+    """A port that nothing uses now, and that nobody is given before it is used."""
+    while True:
+        port = secrets.choice(PORTS)
+        with socket.socket() as probe, suppress(OSError):
+            probe.bind(("", port))
+            return port
 
 
 def is_worker(pid: int) -> bool:

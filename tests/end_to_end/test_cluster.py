@@ -19,7 +19,7 @@ from tests.end_to_end.ray_node import Node, cluster_environment, head, worker
 from tests.end_to_end.running_service import RunningService, free_port, running_service
 from tests.service.store.postgresql import running_postgresql
 
-pytestmark = [pytest.mark.cluster, pytest.mark.timeout(900)]
+pytestmark = pytest.mark.cluster
 
 TIMESTEPS = 24_000
 SEEDS = range(4)
@@ -55,8 +55,13 @@ def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
         try:
             for node in [first, *nodes]:
                 wait_for(node.keep_up)
-            joined = {"D3PG_RAY_ADDRESS": address, "D3PG_DATABASE_URL": database.create("d3pg")}
+            joined = {
+                "D3PG_RAY_ADDRESS": address,
+                "D3PG_DATABASE_URL": database.create("d3pg"),
+                "D3PG_MIN_WORKERS": str(len(nodes)),
+            }
             with running_service(folder, environment | joined) as (service, _):
+                wait_for(lambda: all(node.has_worker for node in nodes))
                 yield Cluster(nodes, service)
         finally:
             for node in [first, *nodes]:
