@@ -17,7 +17,15 @@ from typing import Any
 import psycopg
 import pytest
 
-from tests.end_to_end.curves import Curves, curves_at_the_end, report, wait_for
+from service.client import Client
+from tests.end_to_end.curves import (
+    Curve,
+    Curves,
+    curves_at_the_end,
+    report,
+    wait_for,
+    without_times,
+)
 from tests.end_to_end.machine import Machine, can_separate, separate_machines
 from tests.end_to_end.ray_node import Node, cluster_environment, head, worker
 from tests.end_to_end.running_service import RunningService, running_service
@@ -67,16 +75,9 @@ class Cluster:
 
     def unheard(self, since: float) -> int:
         """How many runs are said to be running of which no word has come since then."""
-        return self._count(f"status = 'running' AND lease_until < {since + LEASE_SECONDS}")
-
-    def waiting(self) -> int:
-        """How many runs wait to be tried again."""
-        return self._count("status = 'queued' AND attempt > 0")
-
-    def _count(self, condition: str) -> int:
-        query = f"SELECT count(*) FROM runs WHERE {condition}"  # noqa: S608
+        query = "SELECT count(*) FROM runs WHERE status = 'running' AND lease_until < %s"
         with psycopg.connect(self.database.conninfo("d3pg")) as connection:
-            found = connection.execute(query.encode()).fetchone()
+            found = connection.execute(query, [since + LEASE_SECONDS]).fetchone()
         return int(found[0]) if found else 0
 
 
@@ -140,40 +141,64 @@ def service_environment(machine: Machine) -> dict[str, str]:
 def survived(cluster: Cluster, undisturbed: Curves, name: str, fault: Callable[[], None]) -> None:
     """Let something befall the cluster while it trains on both nodes, and see that it is survived.
 
-    That is: every run is truthful soon, all are at work again, and no curve shows it.
+    That is: every run is truthful soon, what was shown before is still there, every run that was
+    in training goes on, and no curve shows it.
     """
     client = cluster.service.client
     wait_for(cluster.keep_up)
     sweep_id = client.submit(SWEEP).id
 
     def is_under_way() -> bool:
-        runs = list(client.runs(sweep_id, status="running"))
-        trained = all(run.timestep >= 800 for run in runs)
+        trained = all(run.timestep >= 800 for run in client.runs(sweep_id, status="running"))
         return trained and all(node.trains for node in cluster.nodes)
 
     wait_for(is_under_way)
+    shown = {run.id: shown_of(client, run.id) for run in client.runs(sweep_id)}
+    in_training = {
+        run.id: run.timestep
+        for run in client.runs(sweep_id, status="running")
+        if run.timestep < run.timesteps
+    }
     begun, begun_at = time.monotonic(), time.time()
+
+    def tell(event: str) -> None:
+        report(f"{name}: {event} after", time.monotonic() - begun, "s")
+
+    def is_serving() -> bool:
+        cluster.keep_up()
+        return cluster.service.is_serving
+
     fault()
     wait_for(lambda: not cluster.unheard(begun_at))
     truthful = time.monotonic() - begun
-    report(f"{name}: every run is truthful after", truthful, "s")
+    tell("every run is truthful")
+    wait_for(is_serving)
+    for run_id, columns in shown.items():
+        still_shown = shown_of(client, run_id)
+        assert {key: still_shown[key][: len(columns[key])] for key in columns} == columns
 
-    def is_at_work() -> bool:
+    def goes_on() -> bool:
         cluster.keep_up()
-        return not cluster.unheard(begun_at) and not cluster.waiting()
+        runs = {run.id: run.timestep for run in client.runs(sweep_id)}
+        return all(runs[run_id] > timestep for run_id, timestep in in_training.items())
 
     def has_ended() -> bool:
         cluster.keep_up()
         return client.sweep(sweep_id).status == "finished"
 
-    wait_for(is_at_work)
-    report(f"{name}: no run waits to be tried again after", time.monotonic() - begun, "s")
+    wait_for(goes_on)
+    tell("every run that was in training is further")
     wait_for(has_ended)
-    report(f"{name}: all runs have ended after", time.monotonic() - begun, "s")
+    tell("all runs have ended")
     assert curves_at_the_end(client, sweep_id) == undisturbed
     attempts = [run.attempt for run in client.runs(sweep_id)]
     report(f"{name}: attempts of runs", sum(attempts) / len(attempts), "")
     assert truthful <= TRUTHFUL_SECONDS
+
+
+def shown_of(client: Client, run_id: str) -> Curve:
+    """What the service shows of a run now, but for the time it took."""
+    return without_times(client.measurements(run_id).columns)
 
 
 def test_a_node_is_killed(cluster: Cluster, undisturbed: Curves) -> None:
@@ -197,13 +222,24 @@ def test_a_node_is_cut_off(cluster: Cluster, undisturbed: Curves) -> None:
 def test_the_service_is_killed(cluster: Cluster, undisturbed: Curves) -> None:
     def fault() -> None:
         cluster.kill_service()
-        cluster.service.start()
+        cluster.service.launch()
 
     survived(cluster, undisturbed, "killed service", fault)
 
 
 def test_the_head_is_killed(cluster: Cluster, undisturbed: Curves) -> None:
     survived(cluster, undisturbed, "killed head", cluster.head.machine.kill)
+
+
+def test_the_service_is_killed_while_the_head_is_away(
+    cluster: Cluster, undisturbed: Curves
+) -> None:
+    def fault() -> None:
+        cluster.head.machine.kill()
+        cluster.kill_service()
+        cluster.service.launch()
+
+    survived(cluster, undisturbed, "killed head and service", fault)
 
 
 def test_the_power_is_out(cluster: Cluster, undisturbed: Curves) -> None:
@@ -213,6 +249,6 @@ def test_the_power_is_out(cluster: Cluster, undisturbed: Curves) -> None:
             node.machine.kill()
         cluster.kill_service()
         cluster.keep_up()
-        cluster.service.start()
+        cluster.service.launch()
 
     survived(cluster, undisturbed, "no power", fault)
