@@ -33,6 +33,7 @@ def wired(settings: Settings) -> Iterator[FastAPI]:
                     settings.checkpoint_place,
                     settings.min_workers,
                     settings.max_workers,
+                    settings.promised_memory,
                 )
             )
             dispatcher = Dispatcher(

@@ -51,11 +51,11 @@ REPORTS_A_SECOND = 250
 """Of all workers together. Where there are more, each reports less often: what they measure comes
 in fewer transactions, and the cost of a report is for the most part one of its sixteen runs."""
 WORKERS_STARTING = "the cluster's workers are starting"
-NO_CORES = (
-    "the cluster has no core to train on: runs wait until a node with cores has joined it "
-    "(`ray start --address=... --num-cpus=...`), or its autoscaler has added one"
+NO_ROOM = (
+    "the cluster has no room to train: runs wait until a node has joined it, or its autoscaler has "
+    "added one, with a core (`ray start --address=... --num-cpus=...`) and, where "
+    "D3PG_WORKER_MEMORY is set, with that much memory and 300 MB"
 )
-
 
 DEMANDED_COHORTS = 256
 """So many that wait are counted: more workers than that are not called for at a time."""
@@ -257,7 +257,7 @@ def _room(state: State, room: Capacity) -> State:
     """Take what the cluster has room for into account; the workers may all be yet to come."""
     state = replace(_up(state), capacity=room.workers)
     if not room.workers:
-        return replace(state, problem=NO_CORES)
+        return replace(state, problem=NO_ROOM)
     is_starting = room.slots and not (state.idle or state.cohorts)
     return replace(state, problem=WORKERS_STARTING if is_starting else "")
 

@@ -8,7 +8,7 @@ from typing import Annotated, Self
 from pydantic import ByteSize, Field, SecretStr, field_validator, model_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
-from service.worker_memory import LEAST_BYTES, usual_worker_memory
+from service.worker_memory import LEAST_BYTES, PROCESS_BYTES, usual_worker_memory
 from workers.place import Place, place_of
 
 LOOPBACK_HOSTS = frozenset({"127.0.0.1", "localhost", "[::1]"})
@@ -116,6 +116,12 @@ class Settings(BaseSettings):
     def run_memory(self) -> int:
         """Bytes that the runs of one worker may fill together."""
         return self.worker_memory or usual_worker_memory(self.workers)
+
+    @property
+    def promised_memory(self) -> int:
+        """Bytes that each worker needs of its node; 0 on a local Ray, and where nothing is said."""
+        is_said = self.worker_memory is not None and bool(self.ray_address)
+        return self.run_memory + PROCESS_BYTES if is_said else 0
 
     @property
     def checkpoint_place(self) -> Place:

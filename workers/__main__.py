@@ -16,6 +16,7 @@ def main() -> None:
     parser.add_argument("--spool", type=Path, required=True, help="file for undelivered reports")
     parser.add_argument("--least", type=int, required=True, help="workers that are always kept")
     parser.add_argument("--most", type=int, required=True, help="workers at most")
+    parser.add_argument("--worker-bytes", type=int, required=True, help="memory of each; 0: any")
     parser.add_argument("--address", required=True, help="cluster to join; empty: a local one")
     parser.add_argument("--logs", type=Path, required=True, help="folder of the workers' logs")
     parser.add_argument("--checkpoints", required=True, help="folder or s3://bucket/prefix")
@@ -27,6 +28,7 @@ def main() -> None:
             listener,
             Bounds(options.least, options.most),
             options.address,
+            worker_bytes=options.worker_bytes,
             logs=options.logs,
             checkpoints=options.checkpoints,
             spool=options.spool,

@@ -33,6 +33,8 @@ UNREAD_LIMIT = 2
 IDLE_CHECK_SECONDS = 5.0
 LONGEST_PAUSE_SECONDS = 30.0
 EXIT_ABANDONED = 75
+WORKER_SECONDS = 3600.0
+"""A worker that is older ends with its cohort, and another comes: what may have leaked is freed."""
 
 Send = Callable[[str], None]
 
@@ -100,9 +102,16 @@ class Slot:
     """One worker at a time, on one node and a thread of its own."""
 
     def __init__(
-        self, node: Node, names: "itertools.count[int]", logs: Path, checkpoints: str, send: Send
+        self,
+        node: Node,
+        names: "itertools.count[int]",
+        logs: Path,
+        checkpoints: str,
+        send: Send,
+        worker_bytes: int,
     ) -> None:
-        """Start the thread."""
+        """Start the thread. Its worker is promised so much of the node's memory; 0: none."""
+        self._worker_bytes = worker_bytes
         self.node = node.name
         self.worker = ""
         self._names = names
@@ -170,6 +179,7 @@ class Slot:
         """Begin to make one on the node; where that is dead, its first call raises."""
         actor_class = RemoteWorker.options(
             num_cpus=1,
+            memory=self._worker_bytes or None,
             max_restarts=0,
             max_task_retries=0,
             max_concurrency=2,
@@ -178,22 +188,23 @@ class Slot:
         return actor_class.remote(self.worker, str(log_path), self._checkpoints)
 
     def _serve(self) -> None:
-        """Do work until the worker is retired, or lost: then ray's error is raised."""
+        """Do work until the worker is retired, or too old, or lost: then ray's error is raised."""
+        begun = time.monotonic()
         pid, host = ray.get(self._actor.describe.remote())
         self._is_up = True
         self._send(to_line(Ready(self.worker, pid, host)))
-        while True:
+        while time.monotonic() - begun < WORKER_SECONDS:
             try:
                 work = self._work.get(timeout=IDLE_CHECK_SECONDS)
             except queue.Empty:
                 ray.get(self._actor.describe.remote())
                 continue
             if work is None:
-                self._send(to_line(Retired(self.worker)))
-                self.kill()
-                return
+                break
             self._train(work)
             self._idle_since = time.monotonic()
+        self._send(to_line(Retired(self.worker)))
+        self.kill()
 
     def _train(self, work: dict[str, Any]) -> None:
         self._idle_since = None

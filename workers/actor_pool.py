@@ -140,7 +140,7 @@ class ActorPool:
         for slot in lost:  # a process there may not have noticed that its node counts as dead
             slot.close()
             slot.kill()
-        self._tell(Capacity(min(sum(node.cores for node in nodes), self._bounds.most), slots))
+        self._tell(Capacity(min(sum(node.room for node in nodes), self._bounds.most), slots))
         self._request(wanted if wanted > slots else 0)
 
     def _take_out_lost(self, living: set[str]) -> list[Slot]:

@@ -20,7 +20,7 @@ from ray.autoscaler.sdk import request_resources
 from workers.actor import Slot
 from workers.actor_pool import ActorPool
 from workers.outbox import Outbox
-from workers.placement import Bounds, Node
+from workers.placement import Bounds, Node, room
 
 OBJECT_STORE_BYTES = 80 * 2**20  # nearly Ray's least; progress is small and never stored
 JOIN_SECONDS = 20.0
@@ -33,12 +33,20 @@ class RayCluster:
     """The cluster that this process is connected to."""
 
     def __init__(
-        self, logs: Path, checkpoints: str, send: Callable[[str], None], *, is_ours: bool
+        self,
+        logs: Path,
+        checkpoints: str,
+        send: Callable[[str], None],
+        *,
+        worker_bytes: int,
+        is_ours: bool,
     ) -> None:
         """Workers write to these folders, each its own files, and report to `send`.
 
-        A cluster of our own has no autoscaler.
+        Each is promised so much memory; with 0, what there is. A cluster of our own has no
+        autoscaler.
         """
+        self._worker_bytes = worker_bytes
         self._is_ours = is_ours
         self._own_node = ray.get_runtime_context().get_node_id()
         self._names = itertools.count(1)
@@ -47,7 +55,7 @@ class RayCluster:
         self._send = send
 
     def nodes(self) -> list[Node]:
-        """Return the living ones with cores.
+        """Return the living ones with room for a worker.
 
         Ends the process where the node that it is on is dead: no worker comes up any more then.
         """
@@ -55,12 +63,14 @@ class RayCluster:
         living = [node for node in found if node["Alive"]]
         if self._own_node not in {node["NodeID"] for node in living}:
             _give_up("Ray's node on this machine is dead: its raylet was killed, or did not answer")
-        nodes = [Node(node["NodeID"], int(node["Resources"].get("CPU", 0))) for node in living]
-        return [node for node in nodes if node.cores > 0]
+        nodes = [Node(n["NodeID"], room(n["Resources"], self._worker_bytes)) for n in living]
+        return [node for node in nodes if node.room > 0]
 
     def make_slot(self, node: Node) -> Slot:
         """Begin to bring a worker up there."""
-        return Slot(node, self._names, self._logs, self._checkpoints, self._send)
+        return Slot(
+            node, self._names, self._logs, self._checkpoints, self._send, self._worker_bytes
+        )
 
     def request(self, workers: int) -> None:
         """Ask the autoscaler, if there is one, for a cluster that holds so many; 0: any.
@@ -70,7 +80,8 @@ class RayCluster:
         a node here, and goes on asking where the work has been done by others meanwhile.
         """
         if not self._is_ours:
-            request_resources(num_cpus=workers)
+            worker = {"CPU": 1} | ({"memory": self._worker_bytes} if self._worker_bytes else {})
+            request_resources(bundles=workers * [worker])
 
 
 def drive(
@@ -78,6 +89,7 @@ def drive(
     bounds: Bounds,
     address: str,
     *,
+    worker_bytes: int,
     logs: Path,
     checkpoints: str,
     spool: Path,
@@ -100,7 +112,9 @@ def drive(
             )
     try:
         outbox = Outbox(spool)
-        cluster = RayCluster(logs, checkpoints, outbox.put, is_ours=not address)
+        cluster = RayCluster(
+            logs, checkpoints, outbox.put, worker_bytes=worker_bytes, is_ours=not address
+        )
         pool = ActorPool(outbox, cluster, bounds)
         follower = threading.Thread(target=pool.follow, name="nodes", daemon=True)
         follower.start()

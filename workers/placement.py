@@ -1,4 +1,4 @@
-"""Where workers may be: each on a core of a living node, as many as there is work for."""
+"""Where workers may be: on cores and in memory of living nodes, as many as there is work for."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -6,10 +6,21 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Node:
-    """A living node of the cluster: the name that Ray gave it, and its cores for workers."""
+    """A living node of the cluster: the name that Ray gave it, and how many workers fit on it."""
 
     name: str
-    cores: int
+    room: int
+
+
+def room(resources: Mapping[str, float], worker_bytes: int) -> int:
+    """How many workers a node has room for, by its cores and its memory, as Ray counts them.
+
+    With 0 bytes a worker, by its cores alone.
+    """
+    cores = int(resources.get("CPU", 0))
+    if not worker_bytes:
+        return cores
+    return min(cores, int(resources.get("memory", 0)) // worker_bytes)
 
 
 @dataclass(frozen=True)
@@ -34,5 +45,5 @@ def vacancies(nodes: Sequence[Node], slots: Mapping[str, int], wanted: int) -> l
     The fullest nodes come first, so that the others can be given back.
     """
     fullest_first = sorted(nodes, key=lambda node: -slots.get(node.name, 0))
-    free = [node for node in fullest_first for _ in range(node.cores - slots.get(node.name, 0))]
+    free = [node for node in fullest_first for _ in range(node.room - slots.get(node.name, 0))]
     return free[: max(0, wanted - sum(slots.values()))]

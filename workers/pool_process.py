@@ -50,6 +50,7 @@ class PoolSettings:
     checkpoints  where the workers keep them: a folder, as they see it, or s3://bucket/prefix
     min_workers  on a joined cluster: kept however little there is to do
     max_workers  on a joined cluster: the most there may be
+    worker_bytes memory that each needs of its node; 0: any
     """
 
     workers: int
@@ -58,6 +59,7 @@ class PoolSettings:
     checkpoints: Place
     min_workers: int = 1
     max_workers: int = 1024
+    worker_bytes: int = 0
 
     @property
     def bounds(self) -> Bounds:
@@ -179,6 +181,7 @@ class PoolProcess:
                     f"--listener={listener.fileno()}",
                     f"--least={self._settings.bounds.least}",
                     f"--most={self._settings.bounds.most}",
+                    f"--worker-bytes={self._settings.worker_bytes}",
                     f"--address={self._settings.ray_address}",
                     f"--logs={logs.resolve()}",
                     f"--checkpoints={self._settings.checkpoints}",
@@ -238,6 +241,7 @@ class PoolProcess:
             "process": self._process_id,
             "scratch": self._scratch,
             "bounds": asdict(self._settings.bounds),
+            "worker_bytes": self._settings.worker_bytes,
             "ray_address": self._settings.ray_address,
             "checkpoints": str(self._settings.checkpoints),
         }

@@ -64,7 +64,7 @@ class Lost:
 
 @dataclass(frozen=True)
 class Retired:
-    """A worker that had nothing to do was ended. What it was given since then has not begun."""
+    """A worker was ended that had nothing to do, or was old. What it was given has not begun."""
 
     worker: str
 

@@ -13,7 +13,7 @@ from sqlalchemy import ColumnElement, Connection, Row
 
 from service.claim import Claim, ClaimedRun
 from service.run import FINAL, RunStatus
-from service.scheduler import NO_CORES, WORKERS_STARTING, DispatchTimes, State, step
+from service.scheduler import NO_ROOM, WORKERS_STARTING, DispatchTimes, State, step
 from service.scheduler_messages import (
     ClaimCohort,
     Claimed,
@@ -96,12 +96,12 @@ def told(state: State, *events: Event) -> tuple[State, list[Command]]:
 def test_says_whether_the_cluster_has_room_for_workers() -> None:
     ready, lost = Ready("a", 1, "here"), Lost("a", "its node is gone", "")
     standing: list[tuple[Report, str]] = [
-        (Capacity(0, slots=0), NO_CORES),
+        (Capacity(0, slots=0), NO_ROOM),
         (Capacity(2, slots=1), WORKERS_STARTING),
         (ready, ""),
         (Capacity(1, slots=1), ""),
         (lost, ""),
-        (Capacity(0, slots=0), NO_CORES),
+        (Capacity(0, slots=0), NO_ROOM),
         (Capacity(9, slots=0), ""),  # they come when there is work
     ]
     state = State()

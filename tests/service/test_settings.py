@@ -6,7 +6,7 @@ import pytest
 from pydantic import ValidationError
 
 from service.settings import Settings
-from service.worker_memory import usual_worker_memory
+from service.worker_memory import PROCESS_BYTES, usual_worker_memory
 
 
 def test_defaults_bind_loopback(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -46,6 +46,8 @@ def test_worker_memory_is_by_default_a_share_of_the_machines(
     assert Settings(workers=4096).run_memory < Settings(workers=3).run_memory
     monkeypatch.setenv("D3PG_WORKER_MEMORY", "6GB")
     assert Settings().run_memory == 6 * 10**9
+    assert Settings().promised_memory == 0
+    assert Settings(ray_address="127.0.0.2:6379").promised_memory == 6 * 10**9 + PROCESS_BYTES
 
 
 def test_a_bound_address_is_an_allowed_host() -> None:

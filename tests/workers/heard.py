@@ -23,8 +23,10 @@ def assigned(specs: list[RunSpec]) -> list[Assignment]:
 class Heard:
     """A pool with all that it has reported."""
 
-    def __init__(self, folder: Path, ray_address: str = "") -> None:
-        self.settings = PoolSettings(2, ray_address, folder, folder / "checkpoints")
+    def __init__(self, folder: Path, ray_address: str = "", worker_bytes: int = 0) -> None:
+        self.settings = PoolSettings(
+            2, ray_address, folder, folder / "checkpoints", worker_bytes=worker_bytes
+        )
         self.pool = PoolProcess(self.settings)
         self.reports: list[Report] = []
         self.cohorts = 0

@@ -17,6 +17,8 @@ from workers.report import Capacity, Lost, Ready, Report
 
 pytestmark = pytest.mark.cluster
 
+WORKER_BYTES = 500 * 2**20
+
 
 @dataclass
 class Cluster:
@@ -50,7 +52,9 @@ def cluster(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Cluster
     with short_folder() as machines, ExitStack() as ended:
         first = head(Machine(machines / "head", "127.0.0.2"), port, environment)
         ended.callback(first.machine.kill)
-        cluster = Cluster(machines, port, environment, Heard(tmp_path, address), ended)
+        cluster = Cluster(
+            machines, port, environment, Heard(tmp_path, address, WORKER_BYTES), ended
+        )
         wait_for(first.keep_up)
         ended.callback(cluster.heard.pool.close)
         yield cluster

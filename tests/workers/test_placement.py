@@ -2,7 +2,7 @@
 
 import pytest
 
-from workers.placement import Bounds, Node, vacancies
+from workers.placement import Bounds, Node, room, vacancies
 
 ONE, TWO, SIX = Node("one", 1), Node("two", 2), Node("six", 6)
 
@@ -24,6 +24,24 @@ def test_each_slot_has_a_core_on_the_fullest_node(
     nodes: list[Node], slots: dict[str, int], wanted: int, made: list[str]
 ) -> None:
     assert [node.name for node in vacancies(nodes, slots, wanted)] == made
+
+
+@pytest.mark.parametrize(
+    ("resources", "worker_bytes", "workers"),
+    [
+        ({"CPU": 4.0, "memory": 10e9}, 0, 4),
+        ({"CPU": 4.0, "memory": 10e9}, 2 * 10**9, 4),
+        ({"CPU": 4.0, "memory": 10e9}, 3 * 10**9, 3),
+        ({"CPU": 4.0, "memory": 10e9}, 11 * 10**9, 0),
+        ({"CPU": 4.0}, 1, 0),
+        ({"memory": 10e9}, 1, 0),
+        ({}, 0, 0),
+    ],
+)
+def test_a_node_has_room_for_as_many_as_its_cores_and_its_memory_hold(
+    resources: dict[str, float], worker_bytes: int, workers: int
+) -> None:
+    assert room(resources, worker_bytes) == workers
 
 
 def test_as_many_are_wanted_as_there_is_work_for_within_bounds() -> None:
