@@ -29,6 +29,12 @@ INVARIANTS: Mapping[str, str] = {
     "a sweep has runs": """
         SELECT count(*) FROM sweeps
         WHERE NOT EXISTS (SELECT 1 FROM runs WHERE runs.sweep_number = sweeps.number)""",
+    "a measurement is a run's, and its diagnostics have names": """
+        SELECT count(*) FROM measurements
+        WHERE run_number NOT IN (SELECT number FROM runs)
+        OR diagnostic_set NOT IN (SELECT number FROM diagnostic_sets)""",
+    "an event is a sweep's": """
+        SELECT count(*) FROM events WHERE sweep_number NOT IN (SELECT number FROM sweeps)""",
     "diagnostics are whole float64 numbers": """
         SELECT count(*) FROM measurements WHERE length(diagnostics) % 8 <> 0""",
 }

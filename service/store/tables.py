@@ -8,6 +8,11 @@
 
 A run's name is "<sweep>-<ordinal>"; inside, rows are joined by integers. Times are float64 seconds
 since 1970 by the database's clock.
+
+Measurements and events have no foreign keys: PostgreSQL checks one in the time that a row takes.
+Their writer has read the run and the sweep in the same transaction, nothing is deleted that they
+refer to, and `integrity` looks. No index has a column that every report changes (`lease_until`,
+`timestep`): PostgreSQL writes all indexes of a row anew where one has.
 """
 
 from sqlalchemy import (
@@ -112,10 +117,14 @@ Index(
 Index(
     "ix_runs_running",
     runs.c.sweep_number,
-    runs.c.lease_until,
-    runs.c.is_cancelling,
     sqlite_where=_running,
     postgresql_where=_running,
+)
+Index(
+    "ix_runs_cancelling",
+    runs.c.sweep_number,
+    sqlite_where=text("is_cancelling = 1"),
+    postgresql_where=text("is_cancelling"),
 )
 Index(
     "ix_runs_may_have_files",
@@ -150,14 +159,14 @@ diagnostic_sets = Table(
 measurements = Table(
     "measurements",
     metadata,
-    Column("run_number", ForeignKey(runs.c.number), primary_key=True),
+    Column("run_number", Number, primary_key=True, autoincrement=False),
     Column("timestep", BigInteger, primary_key=True, autoincrement=False),
     Column("return_mean", Exact),
     Column("return_history", Exact),
     Column("updates", BigInteger, nullable=False),
     Column("jacobians", BigInteger, nullable=False),
     Column("seconds", Exact),
-    Column("diagnostic_set", ForeignKey(diagnostic_sets.c.number), nullable=False),
+    Column("diagnostic_set", Number, nullable=False),
     Column("diagnostics", LargeBinary, nullable=False),  # little-endian float64, in its set's order
     sqlite_with_rowid=False,
 )
@@ -166,7 +175,7 @@ events = Table(
     "events",
     metadata,
     Column("id", Number, primary_key=True, autoincrement=True),
-    Column("sweep_number", ForeignKey(sweeps.c.number), nullable=False),
+    Column("sweep_number", Number, nullable=False),
     Column("kind", Text, nullable=False),
     Column("payload", Document, nullable=False),
     Column("created_at", Double, nullable=False, default=now()),

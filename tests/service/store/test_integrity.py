@@ -58,6 +58,9 @@ def test_a_database_in_use_is_whole(used: str) -> None:
         ("UPDATE attempts SET ended_at = NULL WHERE outcome = 'failed'", "the current attempt"),
         ("UPDATE attempts SET ended_at = 1.0 WHERE outcome = 'running'", "the current attempt"),
         ("UPDATE runs SET ordinal = 99 WHERE ordinal = 7", "the runs of a sweep"),
+        ("UPDATE measurements SET run_number = 99", "a measurement is a run's"),
+        ("UPDATE measurements SET diagnostic_set = 99", "a measurement is a run's"),
+        ("UPDATE events SET sweep_number = 99", "an event is a sweep's"),
         ("UPDATE measurements SET diagnostics = substr(diagnostics, 2)", "diagnostics are whole"),
     ],
 )
