@@ -1,16 +1,16 @@
-"""What may be done at once: reports of different workers, and writes of what they said.
+"""What is done at once: reports of different workers, writes of what they said, claims for them.
 
 So the news of many workers are one transaction, and a thousand of them cost one wait for the disk.
 """
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import islice, takewhile
 
-from service.scheduler_messages import Command, Event, PoolLost, Record
+from service.scheduler_messages import ClaimCohort, Command, Event, PoolLost, Record
 
-RECORDS_LIMIT = 256
-"""Records in one transaction, so that it holds nothing else up for long."""
+TOGETHER: Mapping[type[Command], int] = {Record: 256, ClaimCohort: 32}
+"""How many are carried out in one transaction, so that it holds nothing else up for long."""
 
 
 def take_next(events: deque[Event]) -> list[Event]:
@@ -36,6 +36,7 @@ def _worker(event: Event) -> str:
 
 
 def next_together(commands: Sequence[Command]) -> list[Command]:
-    """Return the commands at the head that are carried out at once: all Records, or one other."""
-    records = takewhile(lambda command: isinstance(command, Record), commands)
-    return list(islice(records, RECORDS_LIMIT)) or [commands[0]]
+    """Return the commands at the head that are carried out at once: of one kind, or just one."""
+    kind = type(commands[0])
+    alike = takewhile(lambda command: type(command) is kind, commands)
+    return list(islice(alike, TOGETHER.get(kind, 1)))

@@ -2,8 +2,9 @@
 
 One thread repeats a round: it gives the scheduler (`service/scheduler.py`) what the pool has
 reported, then a tick, and carries out what the scheduler commands; what several workers said is
-written in one transaction. The store is the record; what is kept here can be lost at any time, and
-then every lease runs out and every run is claimed again.
+written in one transaction, and what they train next is claimed in one. The store is the record;
+what is kept here can be lost at any time, and then every lease runs out and every run is claimed
+again.
 
 A command that the database refuses (a full disk) is tried again, and everything after it waits.
 """
@@ -171,6 +172,9 @@ class Dispatcher:
         records = [command for command in together if isinstance(command, Record)]
         if records:
             return self._record(records)
+        claims = [command for command in together if isinstance(command, ClaimCohort)]
+        if claims:
+            return self._claim(claims)
         answer = self._do_one(together[0])
         return [] if answer is None else [answer]
 
@@ -179,6 +183,11 @@ class Dispatcher:
         return [
             Recorded(each.news, frozenset(runs)) for each, runs in zip(records, held, strict=True)
         ]
+
+    def _claim(self, claims: list[ClaimCohort]) -> list[Event]:
+        asked = [(each.worker, each.limit) for each in claims]
+        found = self._store.claim_all(asked, claims[0].lease_seconds, self._limit_of)
+        return [Claimed(each.worker, claim) for each, claim in zip(claims, found, strict=True)]
 
     def _do_one(self, command: Command) -> Event | None:
         match command:
@@ -194,9 +203,6 @@ class Dispatcher:
                 return Cancelling(frozenset(self._store.cancelling_runs()))
             case AskWaiting(limit):
                 return self._count_waiting(limit)
-            case ClaimCohort(worker, lease_seconds, limit):
-                found = self._store.claim_cohort(worker, lease_seconds, limit, self._limit_of)
-                return Claimed(worker, found)
             case Demand(workers):
                 self._pool.demand(workers)
             case Train(worker, work):

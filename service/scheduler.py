@@ -47,7 +47,7 @@ from workers.report import Busy, Capacity, Ended, Failed, Lost, News, Ready, Ret
 from workers.run_spec import COHORT_LIMIT
 from workers.work import Work
 
-REPORTS_A_SECOND = 250
+REPORTS_A_SECOND = 200
 """Of all workers together. Where there are more, each reports less often: what they measure comes
 in fewer transactions, and the cost of a report is for the most part one of its sixteen runs."""
 WORKERS_STARTING = "the cluster's workers are starting"
@@ -76,7 +76,7 @@ class DispatchTimes:
     """
 
     report: float = 1.0
-    longest_report: float = 3.75
+    longest_report: float = 5.0
     lease: float = 15.0
     grace: float = 5.0
     round: float = 0.1
@@ -315,24 +315,24 @@ def _cancel(state: State, runs: frozenset[str], now: float, times: DispatchTimes
 
 
 def _waiting(state: State, waiting: Waiting, times: DispatchTimes) -> Step:
-    """Claim for the worker that has been idle longest; say how many workers there is work for."""
+    """Claim for idle workers, the longest idle first; say how many workers there is work for."""
     state = replace(state, random_returns=waiting.random_returns)
     size = cohort_size(waiting.cells, state.free_cores)
-    demand = len(state.cohorts) + cohorts(waiting.cells, size)
+    ready = cohorts(waiting.cells, size)
+    demand = len(state.cohorts) + ready
     commands: list[Command] = []
     is_counted = sum(waiting.cells) < waiting.limit or demand > (state.demand or 0)
     if state.pool_is_up and is_counted and demand != state.demand:
         state = replace(state, demand=demand)
         commands.append(Demand(demand))
-    if state.idle and waiting.cells:
-        commands.append(ClaimCohort(state.idle[0], times.lease, size))
+    commands += [ClaimCohort(worker, times.lease, size) for worker in state.idle[:ready]]
     return state, commands
 
 
 def _claimed(
     state: State, worker: str, claim: Claim | None, now: float, times: DispatchTimes
 ) -> Step:
-    """Have the claim trained, and see whether there is work for the next one."""
+    """Have the claim trained."""
     if claim is None:
         return state, []
     if worker not in state.idle:
@@ -350,8 +350,7 @@ def _claimed(
         note=claim.to_json(),
         report_seconds=_report_seconds(state, times),
     )
-    train = Train(worker, work)
-    return state, [train, _ask_waiting(state)] if state.idle else [train]
+    return state, [Train(worker, work)]
 
 
 def _report_seconds(state: State, times: DispatchTimes) -> float:

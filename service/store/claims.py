@@ -17,6 +17,7 @@ from sqlalchemy import (
     case,
     func,
     insert,
+    literal,
     select,
     update,
 )
@@ -27,8 +28,11 @@ from service.store import events
 from service.store.column_types import now
 from service.store.runs import run_name, spec_of
 from service.store.tables import attempts, is_queued, is_running, runs, sweeps
+from service.store.turns import Turns, is_waiting
 
-is_waiting = is_queued & (runs.c.not_before <= now())
+Taken = Sequence[Row[Any]]
+"""Runs of one cell whose attempts have just begun, in the order of their sweep."""
+
 has_ended = is_running & (runs.c.lease_until < now())
 
 # Of statements that take many runs at once.
@@ -41,45 +45,44 @@ ALONE_AFTER = 2
 """A run that lost this many workers in a row trains alone, so as to take no neighbour with it."""
 
 
-def claim(
-    connection: Connection, worker: str, lease_seconds: float, limit: CellLimit
-) -> Claim | None:
-    """Claim queued runs of one cell, as many as are its limit, or None when nothing waits."""
-    sweep = _next_sweep(connection)
-    if sweep is None:
-        return None
-    taken = _take(connection, _cohort(connection, sweep.number, limit), lease_seconds)
-    _note(connection, sweep, taken, worker)
+def claim_all(
+    connection: Connection, asked: Sequence[tuple[str, CellLimit]], lease_seconds: float
+) -> list[Claim | None]:
+    """Claim for each worker queued runs of one cell, as many as are its limit.
+
+    None for those for whom nothing waits any more.
+    """
+    turns = Turns(connection)
+    taken = [
+        (worker, _take_next(connection, turns, limit, lease_seconds)) for worker, limit in asked
+    ]
+    if any(rows for _, rows in taken):
+        _note(connection, turns, taken)
+    return [_claim(turns, worker, lease_seconds, rows) if rows else None for worker, rows in taken]
+
+
+def _claim(turns: Turns, worker: str, lease_seconds: float, rows: Taken) -> Claim:
     claimed = (
-        ClaimedRun(
-            run_name(sweep.id, row.ordinal), row.attempt, spec_of(row), row.environment_version
-        )
-        for row in taken
+        ClaimedRun(turns.run_name(row), row.attempt, spec_of(row), row.environment_version)
+        for row in rows
     )
     return Claim(worker, lease_seconds, tuple(claimed))
 
 
-def _next_sweep(connection: Connection) -> Row[Any, Any] | None:
-    """Find the sweep whose turn it is, of those in which a run waits.
-
-    Highest priority, then fewest running runs, then longest not served, then oldest.
-    """
-    of_sweep = runs.c.sweep_number == sweeps.c.number
-    # No EXISTS: PostgreSQL would look at every queued run of every sweep.
-    waiting = select(runs.c.number).where(of_sweep, is_waiting).correlate(sweeps).limit(1)
-    running = select(func.count()).where(of_sweep, is_running).correlate(sweeps).scalar_subquery()
-    return connection.execute(
-        select(sweeps.c.number, sweeps.c.id)
-        .where(waiting.scalar_subquery().is_not(None))
-        .order_by(sweeps.c.priority.desc(), running, sweeps.c.last_claimed_at, sweeps.c.number)
-        .limit(1)
-    ).one_or_none()
+def _take_next(
+    connection: Connection, turns: Turns, limit: CellLimit, lease_seconds: float
+) -> Taken:
+    """Begin attempts of runs of the sweep whose turn it is; none where nothing waits."""
+    while (sweep := turns.next) is not None:
+        rows = _take(connection, _cohort(connection, sweep, limit), lease_seconds)
+        turns.take(len(rows))
+        if rows:
+            return rows
+    return ()
 
 
-def _take(
-    connection: Connection, numbers: Sequence[int], lease_seconds: float
-) -> Sequence[Row[Any]]:
-    """Begin an attempt of each run, under a lease; in the order of the sweep."""
+def _take(connection: Connection, numbers: Sequence[int], lease_seconds: float) -> Taken:
+    """Begin an attempt of each run, under a lease."""
     taken = connection.execute(
         update(runs)
         .where(runs.c.number.in_(numbers), is_queued)
@@ -98,31 +101,6 @@ def _take(
     return sorted(taken, key=lambda row: row.ordinal)
 
 
-def _note(
-    connection: Connection, sweep: Row[Any, Any], taken: Sequence[Row[Any]], worker: str
-) -> None:
-    """Note that the sweep was served, the attempts, and what whoever watches is to know."""
-    connection.execute(
-        update(sweeps).where(sweeps.c.number == sweep.number).values(last_claimed_at=now())
-    )
-    connection.execute(
-        insert(attempts),
-        [{"run_number": row.number, "attempt": row.attempt, "worker": worker} for row in taken],
-    )
-    changes = [
-        events.run_changed(
-            sweep.number,
-            run_name(sweep.id, row.ordinal),
-            status=RunStatus.RUNNING,
-            reason="",
-            attempt=row.attempt,
-            timestep=row.timestep,
-        )
-        for row in taken
-    ]
-    events.append(connection, changes)
-
-
 def _cohort(connection: Connection, sweep_number: int, limit: CellLimit) -> list[int]:
     """Return the first waiting run, and others of its cell that were left at the same timestep.
 
@@ -131,7 +109,9 @@ def _cohort(connection: Connection, sweep_number: int, limit: CellLimit) -> list
     of_sweep = runs.c.sweep_number == sweep_number
     first = connection.execute(
         select(runs).where(of_sweep, is_waiting).order_by(runs.c.ordinal).limit(1)
-    ).one()
+    ).one_or_none()
+    if first is None:
+        return []
     if first.losses >= ALONE_AFTER:
         return [first.number]
     query = (
@@ -147,6 +127,31 @@ def _cohort(connection: Connection, sweep_number: int, limit: CellLimit) -> list
         .limit(limit(spec_of(first).cell))
     )
     return list(connection.scalars(query))
+
+
+def _note(connection: Connection, turns: Turns, taken: Sequence[tuple[str, Taken]]) -> None:
+    """Note that sweeps were served, the attempts, and what whoever watches is to know."""
+    begun = [row for _, rows in taken for row in rows]
+    served = sweeps.c.number.in_({row.sweep_number for row in begun})
+    connection.execute(update(sweeps).where(served).values(last_claimed_at=now()))
+    opened = ["run_number", "attempt", "worker"]
+    for worker, rows in taken:
+        of_worker = select(runs.c.number, runs.c.attempt, literal(worker)).where(
+            runs.c.number.in_([row.number for row in rows])
+        )
+        connection.execute(insert(attempts).from_select(opened, of_worker))
+    changes = [
+        events.run_changed(
+            row.sweep_number,
+            turns.run_name(row),
+            status=RunStatus.RUNNING,
+            reason="",
+            attempt=row.attempt,
+            timestep=row.timestep,
+        )
+        for row in begun
+    ]
+    events.append(connection, changes)
 
 
 def held_runs(connection: Connection, held: Sequence[Claim]) -> list[dict[str, Row[Any]]]:

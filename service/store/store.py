@@ -197,11 +197,22 @@ class Store:
 
         And no more than the cell's own limit.
         """
-        return self._writer.write(
-            lambda c: claims.claim(
-                c, worker, lease_seconds, lambda cell: min(limit, limit_of(cell), COHORT_LIMIT)
-            )
-        )
+        [claim] = self.claim_all([(worker, limit)], lease_seconds, limit_of)
+        return claim
+
+    def claim_all(
+        self,
+        asked: Sequence[tuple[str, int]],
+        lease_seconds: float,
+        limit_of: CellLimit = no_limit,
+    ) -> list[Claim | None]:
+        """Do as `claim_cohort` for several workers (worker, limit) in turn, at once."""
+
+        def at_most(limit: int) -> CellLimit:
+            return lambda cell: min(limit, limit_of(cell), COHORT_LIMIT)
+
+        limits = [(worker, at_most(limit)) for worker, limit in asked]
+        return self._writer.write(lambda c: claims.claim_all(c, limits, lease_seconds))
 
     def waiting_cells(self, limit: int) -> list[int]:
         """Return of each cell how many runs could be claimed now, together.

@@ -250,6 +250,11 @@ class Simulation:
             said = [(record.claim, record.news.progress) for record in records]
             held = map(frozenset, self.store.record_all(said))
             return [Recorded(r.news, runs) for r, runs in zip(records, held, strict=True)]
+        claims = [command for command in together if isinstance(command, ClaimCohort)]
+        if claims:
+            asked = [(each.worker, each.limit) for each in claims]
+            found = self.store.claim_all(asked, claims[0].lease_seconds)
+            return [Claimed(each.worker, claim) for each, claim in zip(claims, found, strict=True)]
         answer = self.do_one(together[0])
         return [] if answer is None else [answer]
 
@@ -267,8 +272,6 @@ class Simulation:
                 return Cancelling(frozenset(self.store.cancelling_runs()))
             case AskWaiting(limit):
                 return Waiting(tuple(self.store.waiting_cells(limit)), limit, frozenset())
-            case ClaimCohort(worker, lease, limit):
-                return Claimed(worker, self.store.claim_cohort(worker, lease, limit))
             case Train(worker, work):
                 simulated = self.workers.get(worker)
                 if simulated is not None and not simulated.is_gone:

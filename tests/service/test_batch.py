@@ -2,9 +2,19 @@
 
 from collections import deque
 
-from service.batch import RECORDS_LIMIT, next_together, take_next
+import pytest
+
+from service.batch import TOGETHER, next_together, take_next
 from service.claim import Claim
-from service.scheduler_messages import AskCancelling, Command, Event, Lose, PoolLost, Record
+from service.scheduler_messages import (
+    AskCancelling,
+    ClaimCohort,
+    Command,
+    Event,
+    Lose,
+    PoolLost,
+    Record,
+)
 from workers.progress import Progress
 from workers.report import Ended, News, Ready
 
@@ -38,14 +48,19 @@ def test_the_loss_of_the_pool_is_heard_after_what_came_before_and_alone() -> Non
     assert taken(events) == [[events[0]], [events[1]], [LOST], [events[3]]]
 
 
-def test_records_at_the_head_are_written_together() -> None:
-    records: list[Command] = [Record(CLAIM, news("a")), Record(CLAIM, news("b"))]
+RECORDS: list[Command] = [Record(CLAIM, news(str(worker))) for worker in range(1000)]
+CLAIMS: list[Command] = [ClaimCohort(str(worker), 15.0, 16) for worker in range(1000)]
+
+
+@pytest.mark.parametrize("alike", [RECORDS[:2], CLAIMS[:2]])
+def test_what_is_alike_at_the_head_is_done_together(alike: list[Command]) -> None:
     lose = Lose(CLAIM, "its worker was lost")
-    assert next_together([*records, lose, records[0]]) == records
-    assert next_together([lose, *records]) == [lose]
-    assert next_together([AskCancelling(), *records]) == [AskCancelling()]
+    assert next_together([*alike, lose, alike[0]]) == alike
+    assert next_together([lose, *alike]) == [lose]
+    assert next_together([AskCancelling(), *alike]) == [AskCancelling()]
+    assert next_together([RECORDS[0], CLAIMS[0]]) == [RECORDS[0]]
 
 
-def test_no_transaction_takes_more_than_its_limit() -> None:
-    records = [Record(CLAIM, news(str(worker))) for worker in range(2 * RECORDS_LIMIT + 1)]
-    assert len(next_together(records)) == RECORDS_LIMIT
+@pytest.mark.parametrize("commands", [RECORDS, CLAIMS])
+def test_no_transaction_takes_more_than_its_limit(commands: list[Command]) -> None:
+    assert len(next_together(commands)) == TOGETHER[type(commands[0])]

@@ -1,4 +1,4 @@
-"""Reports of workers at less cost: what they change is in no index, what they add is not checked."""
+"""Reports of workers at less cost: what they change is in no index, what they add refers freely."""
 
 from collections.abc import Mapping
 from typing import Any
