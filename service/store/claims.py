@@ -56,8 +56,9 @@ def claim_all(
     taken = [
         (worker, _take_next(connection, turns, limit, lease_seconds)) for worker, limit in asked
     ]
-    if any(rows for _, rows in taken):
-        _note(connection, turns, taken)
+    begun = [(worker, rows) for worker, rows in taken if rows]
+    if begun:
+        _note(connection, turns, begun)
     return [_claim(turns, worker, lease_seconds, rows) if rows else None for worker, rows in taken]
 
 

@@ -26,8 +26,9 @@ class Turns:
         # No EXISTS: PostgreSQL would look at every queued run of every sweep.
         waiting = select(runs.c.number).where(of_sweep, is_waiting).correlate(sweeps).limit(1)
         running = select(func.count()).where(of_sweep, is_running).correlate(sweeps)
+        ranked_by = (sweeps.c.priority, running.scalar_subquery().label("running"))
         found = connection.execute(
-            select(sweeps, running.scalar_subquery().label("running")).where(
+            select(sweeps.c.number, sweeps.c.id, *ranked_by, sweeps.c.last_claimed_at).where(
                 waiting.scalar_subquery().is_not(None)
             )
         ).all()
