@@ -1,4 +1,4 @@
-"""Unsolved steps: what to do when one row of a batch has no solution.
+"""Unsolved steps: what to do when one row of a batch has no solution, or lies outside the domain.
 
 A simulator refuses a whole batch for one such row, but a run must not feel its neighbours: the rows
 to blame are found by halving the batch, and step from states known to be good instead.
@@ -9,9 +9,11 @@ from typing import TypeVar
 
 import numpy as np
 
-from physics.environment import BoolArray, FloatArray, UnsolvedStepError
+from physics.environment import BoolArray, DomainError, FloatArray, UnsolvedStepError
 
 Result = TypeVar("Result")
+
+REFUSALS = (UnsolvedStepError, DomainError)
 
 
 def call_with_substitutes(
@@ -20,14 +22,14 @@ def call_with_substitutes(
     actions: FloatArray,
     good: Callable[[], tuple[FloatArray, FloatArray]],
 ) -> tuple[Result, BoolArray]:
-    """`call(states, actions)`, with rows of `good()` for unsolved ones, and which those are.
+    """`call(states, actions)`, with rows of `good()` for refused ones, and which those are.
 
     Raises:
-        UnsolvedStepError: if the good rows have no solution either.
+        UnsolvedStepError, DomainError: if the good rows are refused too.
     """
     try:
         return call(states, actions), np.zeros(len(states), np.bool_)
-    except UnsolvedStepError:
+    except REFUSALS:
         is_unsolved = unsolved_rows(call, states, actions)
     chosen = is_unsolved[:, None]
     good_states, good_actions = good()
@@ -38,10 +40,10 @@ def call_with_substitutes(
 def unsolved_rows(
     call: Callable[[FloatArray, FloatArray], object], states: FloatArray, actions: FloatArray
 ) -> BoolArray:
-    """Which rows of a batch have no solution."""
+    """Which rows of a batch are refused."""
     try:
         call(states, actions)
-    except UnsolvedStepError:
+    except REFUSALS:
         if len(states) == 1:
             return np.ones(1, np.bool_)
         half = len(states) // 2

@@ -26,6 +26,7 @@ import torch
 from torch.func import grad, jacrev, vmap
 
 from physics.environment import BoolArray, Environment, FloatArray
+from physics.torch_task_check import function_mistakes
 
 _BLOCK = 64
 
@@ -58,6 +59,11 @@ class TorchEnvironment(Environment):
     def terminated(self, next_state: torch.Tensor) -> torch.Tensor:
         """Whether the episode ends there, bool []; by default it never does."""
         return torch.zeros_like(next_state[0], dtype=torch.bool)
+
+    def function_mistakes(self) -> list[str]:
+        """What is wrong with the task's functions."""
+        with gradients_enabled():
+            return function_mistakes(self)
 
     def step_kernel(
         self,
