@@ -26,9 +26,14 @@ class RegimeAudit:
     worst: float
     """The worst relative error of the states compared."""
     median: float
+    undeclared: int = 0
+    """How many states have a kink nearby that the task's `pieces` does not declare."""
 
     def passed(self, count: int = COUNT) -> bool:
-        """Whether `count` states were compared and all their errors are within the tolerance."""
+        """Whether `count` states were compared and all their errors are within the tolerance.
+
+        Never with an error that is no number.
+        """
         return self.states >= count and self.worst <= TOLERANCE
 
 

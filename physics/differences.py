@@ -15,11 +15,18 @@ below DOUBT.
 Glossary: `x` is state and action together, [batch, n + m]; `y` is next state and reward together.
 """
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
-from physics.environment import BoolArray, Environment, FloatArray, Linearization
+from physics.environment import (
+    BoolArray,
+    Environment,
+    FloatArray,
+    Linearization,
+    NotFiniteError,
+)
 
 WIDTHS = tuple(2e-3 / 4**k for k in range(8))
 _STENCIL = np.array([1.0, -1.0, 2.0, -2.0])
@@ -33,6 +40,13 @@ SMALLEST_SCALE = 1e-3
 # How far two widths may disagree, relative to the largest entry of the matrix that they measure.
 DOUBT = 1e-4
 
+# An error that falls by less than 8 from a width to the next, or by more than 100,000, is a kink's.
+STAYS, VANISHES = 1 / 8, 1e-5
+
+# At this width, 8e-6, the one-sided slopes of a smooth map differ by f'' h, at the next by a
+# quarter of it. Where the difference stays, the centre is a corner, of which D tells the mean.
+CORNER = 4
+
 
 class Differences(NamedTuple):
     """Total derivatives of a step: the reward's include its way through the next state."""
@@ -43,6 +57,8 @@ class Differences(NamedTuple):
     """[batch, n + m], of the reward in (s, a)."""
     smooth: BoolArray
     """[batch]; where False the state lies at a kink and its row above means nothing."""
+    bent: BoolArray
+    """[batch]; whether wide differences tell of a kink nearby that the task does not declare."""
 
 
 def differences(environment: Environment, states: FloatArray, actions: FloatArray) -> Differences:
@@ -50,40 +66,93 @@ def differences(environment: Environment, states: FloatArray, actions: FloatArra
     n = environment.state_size
     best = np.full((len(states), n + 1, n + environment.action_size), np.nan)
     least_doubt = np.full_like(best, np.inf)
-    before = best.copy()
+    centre = environment.step(states, actions)
+    y = np.concatenate([centre.next_state, centre.reward[:, None]], axis=1)
+    slopes: list[FloatArray] = []
+    bends: list[FloatArray] = []
     for width in WIDTHS:
-        now = _at_width(environment, states, actions, width)
+        slope, bend = _at_width(environment, states, actions, y, width)
+        before = slopes[-1] if slopes else np.nan
+        slopes.append(slope)
+        bends.append(np.abs(bend))
         # Two narrow widths may agree by chance: rounding alone speaks against them.
-        doubt = np.abs(now - before) + ROUNDING / width
+        doubt = np.abs(slope - before) + ROUNDING / width
         better = doubt < least_doubt  # never where either is NaN
-        best[better], least_doubt[better] = now[better], doubt[better]
-        before = now
-    smooth = np.ones(len(states), np.bool_)
-    for near, doubt in zip(_matrices(best, n), _matrices(least_doubt, n), strict=True):
-        smooth &= doubt.max(axis=(1, 2)) <= DOUBT * _scale(near)  # never where either is NaN
-    return Differences(best[:, :n], best[:, n], smooth)
+        best[better], least_doubt[better] = slope[better], doubt[better]
+    scale = _scales(best, n)
+    corner = _is_any((bends[CORNER + 1] > bends[CORNER] / 2) & (bends[CORNER + 1] > DOUBT * scale))
+    smooth = ~corner & ~_is_any(~(least_doubt <= DOUBT * scale))  # never where either is NaN
+    fits = ~np.isnan(slopes[-2:]).any(axis=(0, 2, 3))
+    bent = fits & (~smooth | _jumps([np.abs(slope - best) / scale for slope in slopes]))
+    return Differences(best[:, :n], best[:, n], smooth, bent)
+
+
+def _is_any(entries: BoolArray) -> BoolArray:
+    """Whether any entry of a row's matrix is True [batch]."""
+    rows: BoolArray = np.any(entries, axis=(1, 2))
+    return rows
+
+
+def _jumps(errors: list[FloatArray]) -> BoolArray:
+    """Whether a row's errors [batch, ...], width by width, are those of a kink that comes within.
+
+    Of a smooth map they fall by 256 from a width to the next; of a kink they stay as they are, and
+    vanish from the width on that does not reach it.
+    """
+    jumps = np.zeros(len(errors[0]), np.bool_)
+    for wide, narrow in pairwise(errors):
+        like_a_kink = (narrow > STAYS * wide) | (narrow < VANISHES * wide)
+        jumps |= _is_any((wide > DOUBT) & like_a_kink)  # never where either is NaN
+    return jumps
 
 
 def relative_errors(linearization: Linearization, reference: Differences) -> FloatArray:
     """The worst relative error of each row's derivatives [batch], meaningless at a kink.
 
     Relative to the largest entry of the matrix that the entry stands in: state Jacobian, action
-    Jacobian, the reward's gradient in the state and in the action, each by itself.
+    Jacobian, the reward's gradient in the state and in the action, each by itself. Infinite where a
+    derivative is not finite.
     """
     n = linearization.state_jacobian.shape[1]
-    through = linearization.reward_next_state_gradient[:, None]
-    by_state = linearization.reward_state_gradient[:, None] + through @ linearization.state_jacobian
-    by_action = (
-        linearization.reward_action_gradient[:, None] + through @ linearization.action_jacobian
+    wrong = ~np.all([_is_finite(field) for field in linearization[1:]], axis=0)
+    jacobian, by_action_jacobian, by_state, by_action, by_next = (
+        np.nan_to_num(field, nan=0.0, posinf=0.0, neginf=0.0) for field in linearization[1:]
     )
-    exact = linearization.state_jacobian, linearization.action_jacobian, by_state, by_action
+    through = by_next[:, None]
+    exact = (
+        jacobian,
+        by_action_jacobian,
+        by_state[:, None] + through @ jacobian,
+        by_action[:, None] + through @ by_action_jacobian,
+    )
     together = np.concatenate([reference.jacobian, reference.reward_gradient[:, None]], axis=1)
     errors = [
         np.abs(matrix - near).max(axis=(1, 2)) / _scale(matrix)
         for matrix, near in zip(exact, _matrices(together, n), strict=True)
     ]
-    worst: FloatArray = np.max(errors, axis=0)
-    return worst
+    return np.where(wrong, np.inf, np.max(errors, axis=0))
+
+
+def _is_finite(field: FloatArray) -> BoolArray:
+    """Whether all of a row's numbers are finite [batch]."""
+    rows: BoolArray = np.all(np.isfinite(field), axis=tuple(range(1, field.ndim)))
+    return rows
+
+
+def _outcomes(
+    environment: Environment, states: FloatArray, actions: FloatArray
+) -> tuple[FloatArray, BoolArray]:
+    """Next states and rewards [rows, n + 1] in one, and which rows have none that is finite."""
+    unknown = np.zeros(len(states), np.bool_)
+    try:
+        following, reward, _ = environment.step(states, actions)
+    except NotFiniteError as error:
+        unknown[list(error.rows)] = True
+        following, reward = np.zeros_like(states), np.zeros(len(states))
+        following[~unknown], reward[~unknown], _ = environment.step(
+            states[~unknown], actions[~unknown]
+        )
+    return np.concatenate([following, reward[:, None]], axis=1), unknown
 
 
 def _matrices(together: FloatArray, n: int) -> tuple[FloatArray, ...]:
@@ -98,10 +167,21 @@ def _scale(matrix: FloatArray) -> FloatArray:
     return largest
 
 
+def _scales(together: FloatArray, n: int) -> FloatArray:
+    """`_scale` of the matrix that each entry stands in [batch, n + 1, n + m]."""
+    scales = np.empty_like(together)
+    for part, matrix in zip(_matrices(scales, n), _matrices(together, n), strict=True):
+        part[:] = _scale(matrix)[:, None, None]
+    return scales
+
+
 def _at_width(
-    environment: Environment, states: FloatArray, actions: FloatArray, width: float
-) -> FloatArray:
-    """D(width) [batch, n + 1, n + m], NaN where a stencil leaves its piece or the domain."""
+    environment: Environment, states: FloatArray, actions: FloatArray, y: FloatArray, width: float
+) -> tuple[FloatArray, FloatArray]:
+    """D(width) and the forward less the backward difference, each [batch, n + 1, n + m].
+
+    NaN where a stencil leaves its piece or the domain; `y` [batch, n + 1] is that of the centre.
+    """
     n = environment.state_size
     x = np.concatenate([states, actions], axis=1)
     batch, inputs = x.shape
@@ -110,15 +190,15 @@ def _at_width(
     flat = points.reshape(-1, inputs)
     s, a = np.ascontiguousarray(flat[:, :n]), np.ascontiguousarray(flat[:, n:])
     outside = environment.outside(s)
-    s[outside] = np.repeat(states, inputs * len(_STENCIL), axis=0)[outside]
-    transition = environment.step(s, a)
-    y = np.concatenate([transition.next_state, transition.reward[:, None]], axis=1)
-    slope: FloatArray = (
-        np.einsum("k,bikj->bji", _WEIGHTS, y.reshape(batch, inputs, 4, n + 1)) / width
-    )
+    s[outside] = np.repeat(states, inputs * len(_STENCIL), axis=0)[outside]  # no matter which
+    around, unknown = _outcomes(environment, s, a)
+    around = around.reshape(batch, inputs, 4, n + 1)
+    slope: FloatArray = np.einsum("k,bikj->bji", _WEIGHTS, around) / width
+    bend: FloatArray = (around[:, :, :2].sum(axis=2).swapaxes(1, 2) - 2.0 * y[..., None]) / width
     centre = environment.pieces(states, actions).piece
-    around = environment.pieces(s, a).piece.reshape(batch, inputs, 4, -1)
-    crossing = (around != centre[:, None, None]).any(axis=(2, 3))
-    crossing |= outside.reshape(batch, inputs, -1).any(axis=2)
-    slope[np.broadcast_to(crossing[:, None], slope.shape)] = np.nan
-    return slope
+    pieces = environment.pieces(s, a).piece.reshape(batch, inputs, 4, centre.shape[1])
+    crossing = (pieces != centre[:, None, None]).any(axis=(2, 3))
+    crossing |= (outside | unknown).reshape(batch, inputs, 4).any(axis=2)
+    for each in (slope, bend):
+        each[np.broadcast_to(crossing[:, None], each.shape)] = np.nan
+    return slope, bend

@@ -33,6 +33,7 @@ from physics.domain import Domain
 from physics.domain import DomainError as DomainError  # noqa: PLC0414 - of this contract
 from physics.domain import NotFiniteError as NotFiniteError  # noqa: PLC0414
 from physics.drawing import Drawing
+from physics.exploration import explore
 from physics.features import Array, FeatureMap
 from physics.randomness import generator
 from physics.row_checks import (
@@ -249,17 +250,9 @@ class Environment(metaclass=CheckedWhenMade):
     def sample(self, generator: np.random.Generator, count: int) -> tuple[FloatArray, FloatArray]:
         """States [count, n] and actions [count, m] that reach every regime, for the audit.
 
-        By default: where random policies come, with a sixth of the actions outside the box.
+        By default: where policies of every kind come, with a sixth of the actions outside the box.
         """
-        states = np.empty((count, self.state_size))
-        actions = generator.uniform(-1.2, 1.2, (count, self.action_size))
-        state = self.initial_state(generator)[None]
-        for row in range(count):
-            states[row] = state
-            transition = self.step(state, actions[row : row + 1])
-            ended = transition.terminated[0] or row % self.horizon == self.horizon - 1
-            state = self.initial_state(generator)[None] if ended else transition.next_state
-        return states, actions
+        return explore(self, generator, count)
 
     def contact_impulses(self, states: FloatArray, actions: FloatArray) -> list[FloatArray]:
         """The impulses that contacts give during each row's step, for whoever draws them.

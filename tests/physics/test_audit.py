@@ -1,14 +1,19 @@
 """The audit: what it counts, what it finds, and the record it keeps."""
 
+import re
+
 import numpy as np
 import pytest
+import torch
 
 import physics
 from physics.__main__ import main
 from physics.audit import audit
+from physics.audit_notes import failures, notes
 from physics.environment import FloatArray, Linearization
 from physics.mountain_car import MountainCar
 from physics.pendulum import Pendulum
+from tests.physics.small_tasks import DistanceAtGoal, LogOfNegative, Plain
 
 
 class WrongAtTheWall(MountainCar):
@@ -50,6 +55,114 @@ def test_states_at_a_kink_are_counted_not_compared(monkeypatch: pytest.MonkeyPat
     assert sum(row.states for row in rows) == 0
     assert sum(row.kinks for row in rows) == 1000
     assert not any(row.passed(100) for row in rows)
+
+
+class Silent(MountainCar):
+    """Has no number for a derivative, once in a while, and does not say so."""
+
+    value = np.nan
+
+    def differentiate(self, states: FloatArray, actions: FloatArray) -> Linearization:
+        linearization = super().differentiate(states, actions)
+        linearization.state_jacobian[::7, 0, 1] = self.value
+        return linearization
+
+
+class HiddenClamp(Plain):
+    """A speed limit that `pieces` does not declare, and that random actions never reach."""
+
+    name = "HiddenClamp"
+
+    def dynamics(self, state: torch.Tensor, action: torch.Tensor) -> torch.Tensor:
+        speed = (state[1] + 0.1 * action[0]).clamp(-8.0, 8.0)
+        return torch.stack([state[0] + 0.1 * speed, speed])
+
+
+class AtTheCorner(Plain):
+    """Every state lies on an undeclared kink, where a central difference tells a mean."""
+
+    name = "AtTheCorner"
+
+    def dynamics(self, state: torch.Tensor, action: torch.Tensor) -> torch.Tensor:
+        return torch.stack([state[0].clamp(min=0.0), state[1] + 0.1 * action[0]])
+
+    def sample(self, generator: np.random.Generator, count: int) -> tuple[FloatArray, FloatArray]:
+        states, actions = super().sample(generator, count)
+        states[:, 0] = 0.0
+        return states, actions
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_no_number_is_a_failure(value: float) -> None:
+    task = Silent()
+    task.value = value
+    rows = audit(task, count=100)
+    assert not any(row.passed(100) for row in rows)
+    assert all(row.worst == np.inf for row in rows)
+    assert all(row.median < 1e-6 for row in rows)
+
+
+@pytest.mark.parametrize("task", [DistanceAtGoal, LogOfNegative])
+def test_a_step_that_leaves_the_numbers_is_a_failure(task: type[Plain]) -> None:
+    rows = audit(task(), count=100)
+    assert rows[0].worst == np.inf
+    assert not rows[0].passed(100)
+    assert failures(rows, 100)[0] == (
+        f"NOT PASSED: {task.name}, free: a step, a derivative or a difference is NaN or infinite"
+    )
+
+
+def test_a_kink_that_is_not_declared_is_reported() -> None:
+    task = HiddenClamp()
+    rows = audit(task, count=1000)
+    assert all(row.passed(1000) for row in rows)
+    assert sum(row.undeclared for row in rows) > 0
+    told = "\n".join(notes(task, rows))
+    assert re.search(
+        r"NOTE: HiddenClamp: \d+ states have a kink nearby that `pieces` does not", told
+    )
+    assert re.search(r"cannot be known\. The states went .*, from -8 to 8 in s\[1\]", told)
+
+
+def test_a_state_on_an_undeclared_kink_is_not_compared(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("physics.audit._MOST_CHUNKS", 2)
+    rows = audit(AtTheCorner(), count=100)
+    assert [row.states for row in rows] == [0, 0]
+    assert all(row.undeclared == row.kinks > 0 for row in rows)
+
+
+@pytest.mark.parametrize("name", ["Pendulum", "MountainCar", "CartPole", "MassPoint"])
+def test_declared_kinks_and_curvature_are_no_undeclared_ones(name: str) -> None:
+    task = physics.make(name)
+    rows = audit(task, count=500)
+    assert sum(row.undeclared for row in rows) == 0
+    assert len(notes(task, rows)) == (name in {"MassPoint", "CartPole"})
+
+
+def test_a_regime_that_was_never_sampled_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("physics.audit._MOST_CHUNKS", 2)
+
+    class Timid(MountainCar):
+        def sample(
+            self, generator: np.random.Generator, count: int
+        ) -> tuple[FloatArray, FloatArray]:
+            return np.zeros((count, 2)), generator.uniform(-0.5, 0.5, (count, 1))
+
+    assert failures(audit(Timid(), count=100), 100) == [
+        "NOT PASSED: MountainCar, clipped: never sampled; let the task's `sample` go there",
+        "NOT PASSED: MountainCar, wall: never sampled; let the task's `sample` go there",
+    ]
+
+
+def test_the_command_fails_on_no_number(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("sys.argv", ["physics", "audit", "DistanceAtGoal", "--count", "50"])
+    monkeypatch.setattr("physics.__main__.make", lambda name: DistanceAtGoal())
+    assert main() == 1
+    printed = capsys.readouterr().out
+    assert re.search(r"\| DistanceAtGoal \| 1 \| free \| \d+ \| \d+ \| inf \|", printed)
+    assert "NOT PASSED: DistanceAtGoal, free: " in printed
 
 
 def test_the_command(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

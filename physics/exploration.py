@@ -1,0 +1,70 @@
+"""Exploration: where policies of every kind come, for whoever needs a task's states.
+
+Rollouts under four kinds of policy, a quarter each: random actions, bang-bang ones at random,
+bang-bang ones held for a while, and constant ones at a bound, which is what trained policies come
+to. They go on beyond the horizon, so that slow limits are reached too, and begin anew where an
+episode ends.
+"""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from physics.domain import NotFiniteError
+from physics.row_checks import FloatArray
+
+if TYPE_CHECKING:
+    from physics.environment import Environment
+
+ROLLOUTS = 64
+HORIZONS = 3
+HOLDS = 10
+"""How often in a horizon a held action changes."""
+FARTHEST = 1e4
+"""A rollout farther out than that many times its start begins anew: rounding would hide all."""
+
+
+def explore(
+    environment: "Environment", generator: np.random.Generator, count: int
+) -> tuple[FloatArray, FloatArray]:
+    """States [count, n] from all over the rollouts, and actions [count, m], a sixth clipped.
+
+    A state whose step leaves the numbers is a state like others: it is for the caller to notice.
+    """
+    steps, shape = HORIZONS * environment.horizon, (ROLLOUTS, environment.action_size)
+    visited = np.empty((steps, ROLLOUTS, environment.state_size))
+    states = np.stack([environment.initial_state(generator) for _ in range(ROLLOUTS)])
+    farthest = FARTHEST * max(1.0, float(np.abs(states).max(initial=0.0)))
+    kind = np.arange(ROLLOUTS)[:, None] % 4
+    share = np.array([1.0, 1.0, HOLDS / environment.horizon, 0.0])[kind]  # of steps that change it
+    actions = np.sign(generator.uniform(-1.0, 1.0, shape))
+    for step in range(steps):
+        visited[step] = states
+        random = generator.uniform(-1.0, 1.0, shape)
+        changes = generator.uniform(size=(ROLLOUTS, 1)) < share
+        actions = np.where(changes, np.where(kind == 0, random, np.sign(random)), actions)
+        states = _following(environment, generator, states, actions, farthest)
+    rows = generator.integers(steps * ROLLOUTS, size=count)
+    chosen = visited.reshape(-1, environment.state_size)[rows]
+    return chosen, generator.uniform(-1.2, 1.2, (count, environment.action_size))
+
+
+def _following(
+    environment: "Environment",
+    generator: np.random.Generator,
+    states: FloatArray,
+    actions: FloatArray,
+    farthest: float,
+) -> FloatArray:
+    """The next states, start states where an episode ends, leaves the numbers or goes too far."""
+    over = np.zeros(len(states), np.bool_)
+    try:
+        following, _, over = environment.step(states, actions)
+    except NotFiniteError as error:
+        over[list(error.rows)] = True
+        following = states.copy()
+        following[~over], _, over[~over] = environment.step(states[~over], actions[~over])
+    over |= np.abs(following).max(axis=1) > farthest
+    for row in np.flatnonzero(over):
+        following[row] = environment.initial_state(generator)
+    return following
