@@ -62,11 +62,17 @@ def _friction_error(body: Body, i: int) -> float:
 
 @compiled
 def residual(mechanism: Mechanism, body: Body) -> float:
-    """The largest error of a solved substep; infinity if its velocity is not finite."""
+    """The largest error of a solved substep; infinity if its velocity or impulses are not finite.
+
+    Those are asked for first: `max` passes over a NaN.
+    """
+    problem = body.problem
     for j in range(body.next_v.shape[0]):
         if not isfinite(body.next_v[j]):
             return inf
-    problem = body.problem
+    for row in range(2 * problem.count):
+        if not isfinite(problem.impulse[row]):
+            return inf
     largest: float = _motion_error(mechanism, body)
     for k in range(body.margin.shape[0]):
         rate = approach(mechanism, body.pose, body.next_v, k) + body.margin[k]

@@ -134,7 +134,7 @@ def test_vmap_over_any_dimension(
 def test_second_derivatives_of_torch_tasks(states: torch.Tensor, actions: torch.Tensor) -> None:
     assert torch.autograd.gradgradcheck(
         lambda s, a: physics.torch_step(WithLinearAlgebra(), s, a)[:2],
-        (states.requires_grad_(), actions.requires_grad_()),
+        (states[:1].requires_grad_(), actions[:1].requires_grad_()),
     )
 
 

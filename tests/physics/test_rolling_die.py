@@ -198,3 +198,22 @@ def test_what_cannot_be_solved_is_refused(environment: RollingDie) -> None:
             UnsolvedStepError, match=r"RollingDie: no solution for state \[0.0, 0.7072"
         ):
             call(states, actions)
+
+
+@pytest.mark.parametrize(("theta", "side"), [(0.0, 1.0), (np.pi, 1.0), (-np.pi / 2, -1.0)])
+def test_a_die_that_falls_flat_leaves_to_a_side(
+    environment: RollingDie, theta: float, side: float
+) -> None:
+    """As its page says: one corner strikes after the other, the smallest index first."""
+    idle, fall = np.zeros((1, 1)), np.sqrt(2.0**2 + 2 * GRAVITY * 0.01)
+    states = np.array([[0.0, 0.51, theta, 0.0, -2.0, 0.0]])
+    report, following = environment.contact_report(states, idle), environment.step(states, idle)
+    assert np.count_nonzero(report.kind) == 2
+    np.testing.assert_allclose(report.moment[0, 1], report.moment[0, 0], atol=1e-12)
+    impulse = report.impulse[0].sum(axis=0)
+    np.testing.assert_allclose(impulse / fall, [0.245 * side, 1.506], atol=5e-4)
+    np.testing.assert_allclose(following.next_state[0, 5] / fall, -0.235 * side, atol=5e-4)
+    states = np.array([[0.0, 1.0, theta, 0.0, 0.0, 0.0]])
+    for _ in range(environment.horizon):
+        states = environment.step(states, idle).next_state
+    np.testing.assert_allclose(states[0, [0, 1, 3, 4, 5]], [0.112 * side, 0.5, 0, 0, 0], atol=5e-4)
