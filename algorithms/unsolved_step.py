@@ -1,4 +1,6 @@
-"""Unsolved steps: what to do when one row of a batch has no solution, or lies outside the domain.
+"""Unsolved steps: what to do when one row of a batch has no solution, or none that is finite.
+
+So it is for a state outside the task's domain, where a neighbour of a trajectory may lie.
 
 A simulator refuses a whole batch for one such row, but a run must not feel its neighbours: the rows
 to blame are found by halving the batch, and step from states known to be good instead.
@@ -9,11 +11,17 @@ from typing import TypeVar
 
 import numpy as np
 
-from physics.environment import BoolArray, DomainError, FloatArray, UnsolvedStepError
+from physics.environment import (
+    BoolArray,
+    DomainError,
+    FloatArray,
+    NotFiniteError,
+    UnsolvedStepError,
+)
 
 Result = TypeVar("Result")
 
-REFUSALS = (UnsolvedStepError, DomainError)
+REFUSALS = (UnsolvedStepError, DomainError, NotFiniteError)
 
 
 def call_with_substitutes(
@@ -25,7 +33,7 @@ def call_with_substitutes(
     """`call(states, actions)`, with rows of `good()` for refused ones, and which those are.
 
     Raises:
-        UnsolvedStepError, DomainError: if the good rows are refused too.
+        UnsolvedStepError, DomainError, NotFiniteError: if the good rows are refused too.
     """
     try:
         return call(states, actions), np.zeros(len(states), np.bool_)

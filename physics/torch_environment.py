@@ -97,10 +97,16 @@ class TorchEnvironment(Environment):
         u = action.clamp(-1.0, 1.0)
         within = (action.abs() <= 1.0).to(action.dtype)
         by_state, by_action = jacrev(self.dynamics, argnums=(0, 1))(state, u)
-        following = self.dynamics(state, u)
-        gradients: Callable[..., Tensors] = grad(self.reward, argnums=(0, 1, 2))
-        r_state, r_action, r_next = gradients(state, u, following)
+        r_state, r_action, r_next = self._reward_gradients(state, u)
         return by_state, by_action * within, r_state, r_action * within, r_next
+
+    def _reward_gradients(self, state: torch.Tensor, action: torch.Tensor) -> Tensors:
+        """The reward's partial derivatives in its three arguments."""
+        following = self.dynamics(state, action)
+        if not self.reward_is_differentiable:
+            return torch.zeros_like(state), torch.zeros_like(action), torch.zeros_like(following)
+        gradients: Callable[..., Tensors] = grad(self.reward, argnums=(0, 1, 2))
+        return gradients(state, action, following)
 
     def _transitions(self, states: torch.Tensor, actions: torch.Tensor) -> Tensors:
         """The fields of a `Transition`."""

@@ -1,10 +1,12 @@
 """Rows without a solution are found, and replaced."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
 from algorithms.unsolved_step import call_with_substitutes, unsolved_rows
-from physics.environment import FloatArray, UnsolvedStepError
+from physics.environment import DomainError, FloatArray, NotFiniteError, UnsolvedStepError
 
 
 def total(states: FloatArray, actions: FloatArray) -> FloatArray:
@@ -13,6 +15,37 @@ def total(states: FloatArray, actions: FloatArray) -> FloatArray:
         raise UnsolvedStepError(f"{states.max()} is above 1")
     result: FloatArray = states[:, 0] + actions[:, 0]
     return result
+
+
+class Fragile:
+    """Refuses what is above 1, for one reason or another."""
+
+    def __init__(self, reason: Callable[[str], Exception]) -> None:
+        self.reason = reason
+
+    def __call__(self, states: FloatArray, actions: FloatArray) -> FloatArray:
+        if (states > 1.0).any():
+            raise self.reason("above 1")
+        return total(states, actions)
+
+
+@pytest.mark.parametrize(
+    "reason",
+    [
+        UnsolvedStepError,
+        lambda text: DomainError(text, [0]),
+        lambda text: NotFiniteError(text, [0]),
+    ],
+)
+def test_rows_are_replaced_whatever_they_are_refused_for(
+    reason: Callable[[str], Exception],
+) -> None:
+    states, good = np.array([[0.0], [5.0]]), np.zeros((2, 1))
+    result, is_refused = call_with_substitutes(
+        Fragile(reason), states, np.ones((2, 1)), lambda: (good, good)
+    )
+    assert result.tolist() == [1.0, 0.0]
+    assert is_refused.tolist() == [False, True]
 
 
 @pytest.mark.parametrize("bad", [[], [0], [6], [2, 3], [0, 1, 2, 3, 4, 5, 6]])

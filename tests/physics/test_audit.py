@@ -10,7 +10,7 @@ import physics
 from physics.__main__ import main
 from physics.audit import audit
 from physics.audit_notes import failures, notes
-from physics.environment import FloatArray, Linearization
+from physics.environment import FloatArray, Linearization, Pieces
 from physics.mountain_car import MountainCar
 from physics.pendulum import Pendulum
 from tests.physics.small_tasks import DistanceAtGoal, LogOfNegative, Plain
@@ -122,6 +122,29 @@ def test_a_kink_that_is_not_declared_is_reported() -> None:
         r"NOTE: HiddenClamp: \d+ states have a kink nearby that `pieces` does not", told
     )
     assert re.search(r"cannot be known\. The states went .*, from -8 to 8 in s\[1\]", told)
+
+
+def test_a_declared_kink_that_was_not_sampled_is_reported() -> None:
+    class Declared(HiddenClamp):
+        def pieces(self, states: FloatArray, actions: FloatArray) -> Pieces:
+            base = super().pieces(states, actions)
+            far = (np.abs(states[:, :1]) > 1000.0).astype(np.int64)
+            return Pieces(base.regime, np.concatenate([base.piece, far], axis=1))
+
+    assert notes(Declared(), []) == [
+        "NOTE: HiddenClamp: over 1,000 states the columns [1] of `pieces` never changed: the kinks "
+        "that they declare were not sampled."
+    ]
+
+
+def test_a_regime_without_a_name_is_a_failure() -> None:
+    class Nameless(Plain):
+        regimes = ("everywhere",)
+
+    assert (
+        "NOT PASSED: Plain: `pieces` tells of the regimes [1], but `regimes` has names for 0 to 0"
+        in notes(Nameless(), [])
+    )
 
 
 def test_a_state_on_an_undeclared_kink_is_not_compared(monkeypatch: pytest.MonkeyPatch) -> None:

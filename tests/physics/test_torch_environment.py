@@ -86,3 +86,16 @@ def test_the_callers_mode_is_left_alone() -> None:
     with torch.inference_mode():
         Plain().step(np.zeros((1, 2)), np.zeros((1, 1)))
         assert torch.is_inference_mode_enabled()
+
+
+def test_a_reward_declared_piecewise_constant_has_no_gradient() -> None:
+    class Rough(Plain):
+        reward_is_differentiable = False
+
+    found = Rough().differentiate(np.ones((2, 2)), np.ones((2, 1)))
+    assert (
+        found.transition.reward.tolist()
+        == Plain().step(np.ones((2, 2)), np.ones((2, 1))).reward.tolist()
+    )
+    assert not any(gradient.any() for gradient in found[3:])
+    assert found.state_jacobian.any()
