@@ -1,6 +1,6 @@
 """The commands of `python -m algorithms`: training on one machine, without a service.
 
-Exit codes: 0 done; 1 a run diverged or could not go on; 2 the command was called wrongly;
+Exit codes: 0 done; 1 a run diverged or failed; 2 the command was called wrongly;
 130 interrupted.
 """
 
@@ -94,8 +94,10 @@ def train(
             complain(f"training could not go on: {error}")
             raise typer.Exit(1) from None
     console.print(summary(outcome))
-    if outcome.diverged:
-        complain(f"{len(outcome.diverged)} of {seeds} runs diverged.")
+    if outcome.ended:
+        for end in outcome.ended.values():
+            complain(f"seed {end.seed} {end.reason}")
+        complain(f"{len(outcome.ended)} of {seeds} runs ended early.")
         raise typer.Exit(1)
 
 

@@ -1,5 +1,9 @@
-"""History: the measurements of one run on the grid of timesteps that all algorithms share."""
+"""History: the measurements of one run on the grid of timesteps that all algorithms share.
 
+The grid is every `MEASURE_EVERY` timesteps, and the run's last timestep.
+"""
+
+import math
 from collections import deque
 from collections.abc import Mapping
 
@@ -14,21 +18,29 @@ class History:
 
     Attributes:
         seed: the run's.
-        count: measurements so far; the next is due at timestep `(count + 1) MEASURE_EVERY`.
+        count: measurements so far.
         returns: the latest `HISTORY` returns recorded, oldest first.
         seconds: the run's share of its cohort's time.
     """
 
-    def __init__(self, seed: int) -> None:
-        """Begin with none."""
+    def __init__(self, seed: int, timesteps: int) -> None:
+        """Begin with none, in a run of so many timesteps."""
         self.seed = seed
+        self._timesteps = timesteps
         self.count = 0
         self.returns = deque[float](maxlen=HISTORY)
         self.seconds = 0.0
 
+    @property
+    def is_complete(self) -> bool:
+        """Whether the last timestep has been measured."""
+        return self.count * MEASURE_EVERY >= self._timesteps
+
     def due(self, timestep: int) -> range:
-        """Numbers of the measurements due up to and including a timestep."""
-        return range(self.count + 1, timestep // MEASURE_EVERY + 1)
+        """Numbers, from 1 on, of the measurements due up to and including a timestep."""
+        at_end = timestep >= self._timesteps
+        last = math.ceil(self._timesteps / MEASURE_EVERY) if at_end else timestep // MEASURE_EVERY
+        return range(self.count + 1, last + 1)
 
     def state(self) -> State:
         """All of it but the seed."""
@@ -55,7 +67,7 @@ class History:
         self.count += 1
         return Measurement(
             seed=self.seed,
-            timestep=self.count * MEASURE_EVERY,
+            timestep=min(self.count * MEASURE_EVERY, self._timesteps),
             return_mean=self.returns[-1],
             return_history=float(np.mean(self.returns)),
             updates=updates,

@@ -1,4 +1,4 @@
-"""Measurement: what a learner reports of a run, and how a run may end early."""
+"""Measurement: what a learner reports of a run."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -33,37 +33,3 @@ class Measurement:
     jacobians: int
     seconds: float
     diagnostics: Mapping[str, float]
-
-
-@dataclass(frozen=True)
-class Divergence:
-    """A run that ended because a loss or a parameter stopped being finite.
-
-    Attributes:
-        seed: the run's seed.
-        timestep: environment steps taken so far.
-        update: number of the update that did it, from 1 on.
-        quantity: what is not finite.
-    """
-
-    seed: int
-    timestep: int
-    update: int
-    quantity: str
-
-
-class DivergedError(ArithmeticError):
-    """Some runs diverged; the others were trained to their end.
-
-    Attributes:
-        divergences: one for each diverged run.
-    """
-
-    def __init__(self, divergences: list[Divergence]) -> None:
-        """Say which runs diverged, where and how."""
-        self.divergences = divergences
-        ends = "; ".join(
-            f"seed {d.seed} at update {d.update} (timestep {d.timestep}): {d.quantity} not finite"
-            for d in divergences
-        )
-        super().__init__(f"{len(divergences)} diverged: {ends}")

@@ -12,8 +12,9 @@ from typing import Any
 import physics
 from algorithms import catalogue
 from algorithms.catalogue import Algorithm
+from algorithms.early_end import DivergedError, Divergence, FailedRunsError, Failure
 from algorithms.learner import Learner
-from algorithms.measurement import DivergedError, Divergence, Measurement
+from algorithms.measurement import Measurement
 from algorithms.presets import preset
 from physics.compile_notice import noticed
 from physics.environment import Environment
@@ -40,6 +41,7 @@ def train(
     Raises:
         ValueError: for an unknown name or a bad value; it says what was expected.
         DivergedError: at the end, if any run diverged; the others were trained to their end.
+        FailedRunsError: at the end, if code raised in any run; so were the others.
 
     The first use on a machine compiles kernels for some seconds, and says so on stderr.
     """
@@ -56,13 +58,19 @@ def _measurements(
     config: Mapping[str, Any] | None,
 ) -> Iterator[Measurement]:
     learner = build(algorithm, environment, seeds, weights, timesteps, config)
-    divergences = []
+    divergences: list[Divergence] = []
+    failures: list[Failure] = []
     while not learner.finished:
         for event in learner.advance():
-            if isinstance(event, Divergence):
-                divergences.append(event)
-            else:
-                yield event
+            match event:
+                case Measurement():
+                    yield event
+                case Divergence():
+                    divergences.append(event)
+                case Failure():
+                    failures.append(event)
+    if failures:
+        raise FailedRunsError(failures, divergences)
     if divergences:
         raise DivergedError(divergences)
 

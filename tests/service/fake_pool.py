@@ -7,7 +7,8 @@ crash, freeze, disobey and raise; what the dispatcher then does shows in the sto
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 
-from algorithms.measurement import Divergence, Measurement
+from algorithms.early_end import Divergence
+from algorithms.measurement import Measurement
 from workers.pool import PoolUnavailableError
 from workers.progress import Progress
 from workers.random_return import RandomReturn

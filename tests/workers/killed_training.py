@@ -17,8 +17,8 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+from algorithms.early_end import Divergence
 from algorithms.learner import Learner
-from algorithms.measurement import Divergence
 from algorithms.state import State
 from workers import cadence
 from workers.assignment import Assignment
