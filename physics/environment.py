@@ -28,16 +28,15 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from physics.compiled import compiled
 from physics.drawing import Drawing
 from physics.features import Array, FeatureMap
 from physics.randomness import generator
+from physics.row_checks import are_finite, float64_rows, is_finite_linearization
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-FLOAT64 = np.dtype(np.float64)
 BOOL = np.dtype(np.bool_)
 
 
@@ -79,6 +78,23 @@ class Pieces(NamedTuple):
 
 class UnsolvedStepError(ArithmeticError):
     """A step whose equations could not be solved; its message holds the state and the action."""
+
+
+class NotFiniteError(ValueError):
+    """A NaN or an infinity in what a step was given, or in what came out of it.
+
+    Attributes:
+        rows: the rows of the batch that have one.
+    """
+
+    def __init__(self, message: str, rows: Sequence[int] | IntArray) -> None:
+        """Blame rows of a batch."""
+        self.rows = tuple(int(row) for row in rows)
+        super().__init__(message, self.rows)
+
+    def __str__(self) -> str:
+        """The message alone."""
+        return str(self.args[0])
 
 
 class Environment(ABC):
@@ -127,8 +143,8 @@ class Environment(ABC):
         """Advance states [batch, n] by one step under actions [batch, m].
 
         Raises:
-            ValueError: for a wrong type, dtype or shape, for NaN and infinity, and for a state
-                outside the task's domain.
+            ValueError: for a wrong type, dtype or shape, and for a state outside the task's domain.
+            NotFiniteError: for NaN and infinity in states and actions, or in the step's results.
             UnsolvedStepError: when a row's equations have no solution within the solver's bounds.
         """
         # Written out: at small batches, a call more and a tuple unpacked are a tenth of a step.
@@ -139,13 +155,16 @@ class Environment(ABC):
         unsolved = self.step_kernel(states, actions, next_state, reward, terminated)
         if unsolved >= 0:
             raise self.failure(states[unsolved], actions[unsolved])
-        return Transition(next_state, reward, terminated)
+        transition = Transition(next_state, reward, terminated)
+        if not are_finite(next_state, reward):
+            raise self._not_finite(states, actions, transition._asdict())
+        return transition
 
     def differentiate(self, states: FloatArray, actions: FloatArray) -> Linearization:
         """Advance by one step, bit for bit as `step`, with the exact derivatives.
 
         Raises:
-            ValueError, UnsolvedStepError: as `step`.
+            ValueError, NotFiniteError, UnsolvedStepError: as `step`, derivatives included.
         """
         states, actions = self._checked(states, actions)
         batch, n, m = len(states), self.state_size, self.action_size
@@ -160,7 +179,12 @@ class Environment(ABC):
         unsolved = self.differentiate_kernel(states, actions, *transition, *derivatives)
         if unsolved >= 0:
             raise self.failure(states[unsolved], actions[unsolved])
-        return Linearization(Transition(*transition), *derivatives)
+        linearization = Linearization(Transition(*transition), *derivatives)
+        if not is_finite_linearization(transition[0], transition[1], *derivatives):
+            quantities = {**linearization.transition._asdict(), **linearization._asdict()}
+            del quantities["transition"]
+            raise self._not_finite(states, actions, quantities)
+        return linearization
 
     def initial_states(self, seeds: Sequence[int] | IntArray) -> FloatArray:
         """Start states [len(seeds), n]; row i depends on `seeds[i]` alone."""
@@ -241,6 +265,23 @@ class Environment(ABC):
             f"{self.name}: no solution for state {state.tolist()}, action {action.tolist()}"
         )
 
+    def _not_finite(
+        self, states: FloatArray, actions: FloatArray, quantities: Mapping[str, NDArray[Any]]
+    ) -> NotFiniteError:
+        """The error for rows of which some quantity [batch, ...] is NaN or infinite."""
+        wrong = {name: ~np.isfinite(array) for name, array in quantities.items()}
+        by_row = {name: each.reshape(len(each), -1).any(axis=1) for name, each in wrong.items()}
+        rows = np.flatnonzero(np.any(list(by_row.values()), axis=0))
+        row = int(rows[0])
+        name = next(name for name, each in by_row.items() if each[row])
+        place = np.argwhere(wrong[name][row])[0].tolist()
+        value = quantities[name][row][tuple(place)]
+        return NotFiniteError(
+            f"{self.name}: {name}{place or ''} of row {row} is {value}, "
+            f"for state {states[row].tolist()}, action {actions[row].tolist()}",
+            rows,
+        )
+
     def _checked(self, states: FloatArray, actions: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Both arrays as the kernels were compiled for, or a ValueError."""
         states = float64_rows(states, self.state_size, "states")
@@ -249,11 +290,12 @@ class Environment(ABC):
             raise ValueError(
                 f"states and actions must have as many rows, not {len(states)} and {len(actions)}"
             )
-        row = first_not_finite(states, actions)
-        if row >= 0:
-            raise ValueError(
-                f"states and actions must be finite, but row {row} has "
-                f"state {states[row].tolist()}, action {actions[row].tolist()}"
+        if not are_finite(states, actions):
+            rows = np.flatnonzero(~(np.isfinite(states).all(1) & np.isfinite(actions).all(1)))
+            raise NotFiniteError(
+                f"states and actions must be finite, but row {rows[0]} has "
+                f"state {states[rows[0]].tolist()}, action {actions[rows[0]].tolist()}",
+                rows,
             )
         return states, actions
 
@@ -261,41 +303,3 @@ class Environment(ABC):
 def clip_sides(actions: FloatArray) -> IntArray:
     """-1, 0 or 1 [batch, m]: below, within or above the box `[-1, 1]`."""
     return (actions > 1.0).astype(np.int64) - (actions < -1.0)
-
-
-def float64_rows(array: Any, width: int, what: str) -> FloatArray:
-    """`array` as float64 [batch, width], contiguous and writeable as the kernels want it.
-
-    The first line is the way of nearly every call: a learner makes one for each step.
-    """
-    if (
-        type(array) is np.ndarray
-        and array.dtype is FLOAT64
-        and array.ndim == 2
-        and array.shape[1] == width
-        and array.flags.carray
-    ):
-        return array
-    if not isinstance(array, np.ndarray):
-        raise ValueError(
-            f"{what} must be a numpy array, float64 [batch, {width}], not {type(array).__name__}"
-        )
-    if array.dtype != FLOAT64 or array.ndim != 2 or array.shape[1] != width:
-        raise ValueError(
-            f"{what} must be float64 [batch, {width}], not {array.dtype} {list(array.shape)}"
-        )
-    # Another layout, or a read-only array, would compile the kernels a second time.
-    return np.array(array, FLOAT64, order="C")
-
-
-@compiled
-def first_not_finite(states: FloatArray, actions: FloatArray) -> int:
-    """The first row with a NaN or an infinity in it, or -1."""
-    for row in range(states.shape[0]):
-        for i in range(states.shape[1]):
-            if not np.isfinite(states[row, i]):
-                return row
-        for i in range(actions.shape[1]):
-            if not np.isfinite(actions[row, i]):
-                return row
-    return -1

@@ -42,13 +42,13 @@ from physics.environment import (
     FloatArray,
     Pieces,
     clip_sides,
-    float64_rows,
 )
 from physics.half_cheetah_robot import ROBOT
 from physics.record import dtype
 from physics.residual import BOUND, residual
 from physics.robot import build, sizes
 from physics.robot_drawing import draw_robot
+from physics.row_checks import float64_rows
 from physics.smooth_dynamics import mass_matrices, smooth_forces
 from physics.time_stepping import advance, solve_substep
 

@@ -1,0 +1,77 @@
+"""Row checks: whether arrays are what kernels take, and whether they are finite."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physics.compiled import compiled
+
+FloatArray = NDArray[np.float64]
+
+FLOAT64 = np.dtype(np.float64)
+
+
+def float64_rows(array: Any, width: int, what: str) -> FloatArray:
+    """`array` as float64 [batch, width], contiguous and writeable as the kernels want it.
+
+    The first line is the way of nearly every call: a learner makes one for each step.
+
+    Raises:
+        ValueError: for a wrong type, dtype or shape.
+    """
+    if (
+        type(array) is np.ndarray
+        and array.dtype is FLOAT64
+        and array.ndim == 2
+        and array.shape[1] == width
+        and array.flags.carray
+    ):
+        return array
+    if not isinstance(array, np.ndarray):
+        raise ValueError(
+            f"{what} must be a numpy array, float64 [batch, {width}], not {type(array).__name__}"
+        )
+    if array.dtype != FLOAT64 or array.ndim != 2 or array.shape[1] != width:
+        raise ValueError(
+            f"{what} must be float64 [batch, {width}], not {array.dtype} {list(array.shape)}"
+        )
+    # Another layout, or a read-only array, would compile the kernels a second time.
+    return np.array(array, FLOAT64, order="C")
+
+
+@compiled
+def is_finite(array: FloatArray) -> bool:
+    """Whether there is no NaN and no infinity in a contiguous array of any shape.
+
+    Counts instead of stopping at the first: so the compiler works on several numbers at once.
+    """
+    finite, numbers = 0, array.reshape(-1)
+    for i in range(numbers.size):
+        finite += np.isfinite(numbers[i])
+    return finite == numbers.size
+
+
+@compiled
+def are_finite(one: FloatArray, other: FloatArray) -> bool:
+    """Whether both arrays are finite: states and actions, or next states and rewards."""
+    return is_finite(one) and is_finite(other)
+
+
+@compiled
+def is_finite_linearization(
+    next_states: FloatArray,
+    rewards: FloatArray,
+    state_jacobians: FloatArray,
+    action_jacobians: FloatArray,
+    reward_state_gradients: FloatArray,
+    reward_action_gradients: FloatArray,
+    reward_next_state_gradients: FloatArray,
+) -> bool:
+    """Whether all numbers of a linearization are finite, in one call."""
+    return (
+        are_finite(next_states, rewards)
+        and are_finite(state_jacobians, action_jacobians)
+        and are_finite(reward_state_gradients, reward_action_gradients)
+        and is_finite(reward_next_state_gradients)
+    )
