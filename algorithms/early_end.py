@@ -4,7 +4,6 @@ Whatever goes wrong inside one run is an exception in a call that concerns it al
 is not finite ends the run as diverged, anything else as failed.
 """
 
-import traceback
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -67,13 +66,6 @@ class Failure:
 
 
 EarlyEnd = Divergence | Failure
-
-
-def early_end(seed: int, timestep: int, update: int, error: Exception) -> EarlyEnd:
-    """How a run ends by an error; arguments as in `Divergence`."""
-    if isinstance(error, NotFiniteQuantityError):
-        return Divergence(seed, timestep, update, error.quantity)
-    return Failure(seed, timestep, "".join(traceback.format_exception(error)))
 
 
 class DivergedError(ArithmeticError):

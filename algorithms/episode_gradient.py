@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from algorithms import actor, network
 from algorithms.activation import slope
-from algorithms.failing_rows import Failures, call_rows, name_actions
+from algorithms.failing_rows import Failures, call_rows
 from algorithms.layer import Array
 from algorithms.network import Shape
 from algorithms.policy import Policies, Policy
@@ -85,9 +85,8 @@ def live(
     failures: Failures = {}
     for t in range(environment.horizon):
         features = environment.features(states)
-        acts = everyone.act(features)
-        steps, failed = call_rows(environment.differentiate, states, acts)
-        failures = name_actions(failed, acts) | failures
+        steps, failed = call_rows(environment.differentiate, states, everyone.act(features))
+        failures = failed | failures
         if steps is None:
             return None, failures
         step, *derivatives = steps

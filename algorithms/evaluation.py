@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from algorithms.early_end import NotFiniteQuantityError
-from algorithms.failing_rows import Failures, call_rows, name_actions
+from algorithms.failing_rows import Failures, call_rows
 from algorithms.policy import Policies
 from physics.environment import Environment
 
@@ -28,7 +28,7 @@ def episode_returns(
     for _ in range(environment.horizon):
         actions = policies.act(environment.features(states))
         transition, failed = call_rows(environment.step, states, actions)
-        failures = name_actions(failed, actions) | failures
+        failures = failed | failures
         if transition is None:
             break
         with np.errstate(over="ignore"):

@@ -4,13 +4,15 @@ A simulator refuses a whole batch for one such row, but a run must not feel its 
 to blame are found by halving the batch, and other rows are worked out in their place.
 """
 
+import traceback
 from collections.abc import Callable
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from algorithms.early_end import NotFiniteQuantityError
+from algorithms.early_end import Divergence, EarlyEnd, Failure, NotFiniteQuantityError
+from physics.environment import NotFiniteError
 
 Result = TypeVar("Result")
 Failures = dict[int, Exception]
@@ -69,12 +71,11 @@ def failing_rows(call: Callable[..., object], *arrays: NDArray[Any], first: int 
     return {}
 
 
-def name_actions(failures: Failures, actions: NDArray[np.float64]) -> Failures:
-    """The same, but for rows [rows, m] whose action is not finite, that it is not."""
-    return {
-        row: error if np.isfinite(actions[row]).all() else NotFiniteQuantityError("action")
-        for row, error in failures.items()
-    }
+def early_end(seed: int, timestep: int, update: int, error: Exception) -> EarlyEnd:
+    """How a run ends by an error; arguments as in `Divergence`."""
+    if isinstance(error, NotFiniteQuantityError | NotFiniteError):
+        return Divergence(seed, timestep, update, error.quantity)
+    return Failure(seed, timestep, "".join(traceback.format_exception(error)))
 
 
 def found(result: Result | Exception) -> Result:

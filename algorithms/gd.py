@@ -23,10 +23,10 @@ import time
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 
-from algorithms.early_end import EarlyEnd, early_end
+from algorithms.early_end import EarlyEnd
 from algorithms.episode_gradient import LinearizedEpisodes, live
 from algorithms.evaluation import episode_returns
-from algorithms.failing_rows import found
+from algorithms.failing_rows import early_end, found
 from algorithms.gd_config import GDConfig
 from algorithms.gd_run import GDRun, shape_of
 from algorithms.measurement import Measurement

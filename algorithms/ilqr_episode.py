@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from algorithms.failing_rows import Failures, call_rows, name_actions
+from algorithms.failing_rows import Failures, call_rows
 from physics.compiled import compiled
 from physics.environment import Environment
 
@@ -80,8 +80,7 @@ def take_step(environment: Environment, episodes: Episodes, t: int) -> Failures:
     """Fill in what follows from the states and actions at step t; return how plans failed."""
     states = np.ascontiguousarray(episodes.states[:, t])
     actions = np.ascontiguousarray(episodes.actions[:, t])
-    transition, failed = call_rows(environment.step, states, actions)
-    failures = name_actions(failed, actions)
+    transition, failures = call_rows(environment.step, states, actions)
     if transition is None:
         episodes.states[:, t + 1] = states
         return failures

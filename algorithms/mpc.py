@@ -36,8 +36,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from algorithms import network
-from algorithms.early_end import EarlyEnd, NotFiniteQuantityError, early_end
-from algorithms.failing_rows import Failures
+from algorithms.early_end import EarlyEnd, NotFiniteQuantityError
+from algorithms.failing_rows import Failures, early_end
 from algorithms.history import History
 from algorithms.ilqr import Planner
 from algorithms.ilqr_episode import Episodes, replay, roll_out, window_return

@@ -13,9 +13,9 @@ from typing import Protocol
 
 import numpy as np
 
-from algorithms.early_end import EarlyEnd, early_end
+from algorithms.early_end import EarlyEnd
 from algorithms.evaluation import episode_returns
-from algorithms.failing_rows import found
+from algorithms.failing_rows import early_end, found
 from algorithms.measurement import HISTORY, MEASURE_EVERY, Measurement
 from algorithms.network import Shape
 from algorithms.policy import Policies, Policy

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from algorithms.failing_rows import Failures, call_rows, name_actions
+from algorithms.failing_rows import Failures, call_rows
 from algorithms.policy import Policies
 from algorithms.replay import Memory, empty_memory
 from algorithms.scaling import Coordinates
@@ -132,7 +132,7 @@ class Rollout:
                 taken.features[rows] = features
             taken.actions[rows] = actions
             steps_taken, failed = call_rows(self._advance, self._states, actions)
-            self._failures = name_actions(failed, actions) | self._failures
+            self._failures = failed | self._failures
             if steps_taken is None:
                 break
             features = self._go_on(steps_taken, rows, taken, begin)

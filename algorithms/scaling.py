@@ -11,10 +11,10 @@ are not 0, as
     mean_Q = mean(r),   std_Q = max(std(r), |mean(r)|)
 
 so that rewards which hardly vary, such as Acrobot's -1 a step, do not make the first targets
-enormous. They then follow the targets (algorithms.value_scale). `std_Q` is never lower than the root
-mean square of all rewards so far: the targets of a constant reward come to be nearly constant, which
-would make the unit vanish and the first other reward enormous. So rewards multiplied by a constant
-are learned from alike, but for rounding.
+enormous. They then follow the targets (algorithms.value_scale). `std_Q` is never lower than the
+root mean square of all rewards so far: the targets of a constant reward come to be nearly constant,
+which would make the unit vanish and the first other reward enormous. So rewards multiplied by a
+constant are learned from alike, but for rounding.
 
 A gradient with respect to the normalised coordinates, of a quantity whose gradient in normalised
 features is g, is

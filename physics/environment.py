@@ -85,12 +85,14 @@ class NotFiniteError(ValueError):
 
     Attributes:
         rows: the rows of the batch that have one.
+        quantity: what it is that is not finite in the first of them, such as "next state".
     """
 
-    def __init__(self, message: str, rows: Sequence[int] | IntArray) -> None:
+    def __init__(self, message: str, rows: Sequence[int] | IntArray, quantity: str) -> None:
         """Blame rows of a batch."""
         self.rows = tuple(int(row) for row in rows)
-        super().__init__(message, self.rows)
+        self.quantity = quantity
+        super().__init__(message, self.rows, quantity)
 
     def __str__(self) -> str:
         """The message alone."""
@@ -280,6 +282,7 @@ class Environment(ABC):
             f"{self.name}: {name}{place or ''} of row {row} is {value}, "
             f"for state {states[row].tolist()}, action {actions[row].tolist()}",
             rows,
+            name.replace("_", " "),
         )
 
     def _checked(self, states: FloatArray, actions: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -296,6 +299,7 @@ class Environment(ABC):
                 f"states and actions must be finite, but row {rows[0]} has "
                 f"state {states[rows[0]].tolist()}, action {actions[rows[0]].tolist()}",
                 rows,
+                "action" if np.isfinite(states[rows[0]]).all() else "state",
             )
         return states, actions
 

@@ -1,12 +1,18 @@
 """A task of the catalogue with other rewards."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 import physics
 from physics.drawing import Drawing
-from physics.environment import Environment, FloatArray, Linearization, Transition
+from physics.environment import Environment, FloatArray
+
+CONSTANTS = (
+    "name", "version", "state_size", "action_size", "horizon", "angles", "hidden", "max_reward",
+    "reward_is_differentiable",
+)  # fmt: skip
 
 
 class OtherRewards(Environment):
@@ -20,8 +26,7 @@ class OtherRewards(Environment):
     ) -> None:
         self._task = physics.make(name)
         self._change, self._slope = change, slope
-        for constant in ("name", "version", "state_size", "action_size", "horizon", "angles",
-                         "hidden", "max_reward", "reward_is_differentiable"):  # fmt: skip
+        for constant in CONSTANTS:
             setattr(self, constant, getattr(self._task, constant))
         super().__init__()
 
@@ -31,14 +36,17 @@ class OtherRewards(Environment):
     def draw(self, state: FloatArray) -> Drawing:
         return self._task.draw(state)
 
-    def step(self, states: FloatArray, actions: FloatArray) -> Transition:
-        step = self._task.step(states, actions)
-        return step._replace(reward=self._change(states, step.reward))
+    def step_kernel(self, states: FloatArray, actions: FloatArray, *step: Any) -> int:
+        unsolved = self._task.step_kernel(states, actions, *step)
+        step[1][:] = self._change(states, step[1])
+        return unsolved
 
-    def differentiate(self, states: FloatArray, actions: FloatArray) -> Linearization:
-        step, by_state, by_action, *gradients = self._task.differentiate(states, actions)
-        step = step._replace(reward=self._change(states, step.reward))
-        return Linearization(step, by_state, by_action, *(self._slope * g for g in gradients))
+    def differentiate_kernel(self, states: FloatArray, actions: FloatArray, *outputs: Any) -> int:
+        unsolved = self._task.differentiate_kernel(states, actions, *outputs)
+        outputs[1][:] = self._change(states, outputs[1])
+        for gradient in outputs[5:]:
+            gradient[:] *= self._slope
+        return unsolved
 
 
 def times(name: str, factor: float) -> OtherRewards:

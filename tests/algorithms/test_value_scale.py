@@ -43,7 +43,10 @@ def outputs(theta: Floats, shape: Shape, x: Floats) -> Floats:
 def batches(random: np.random.Generator, count: int) -> list[tuple[Floats, Floats]]:
     """Inputs and targets in the task's unit."""
     return [
-        (random.standard_normal((16, 3), np.float32), random.normal(40.0, 30.0, 16))
+        (
+            random.standard_normal((16, 3), np.float32),
+            random.normal(40.0, 30.0, 16).astype(np.float32),
+        )
         for _ in range(count)
     ]
 
