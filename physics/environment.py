@@ -118,6 +118,8 @@ class Environment(ABC):
     """Coordinate -> multiplicity k: the network sees `cos(k theta), sin(k theta)`."""
     hidden: ClassVar[tuple[int, ...]] = ()
     """Coordinates that no network sees."""
+    bounds: ClassVar[Mapping[int, tuple[float, float]]] = MappingProxyType({})
+    """Coordinate -> its lowest and highest value in any start state and next state."""
     regimes: ClassVar[tuple[str, ...]] = ("free", "clipped")
     """The kinds of step that the gradient audit reports apart."""
 
