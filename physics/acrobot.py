@@ -129,9 +129,7 @@ class Acrobot(Environment):
     max_reward = 0.0
     reward_is_differentiable = False
     angles = MappingProxyType({0: 1, 1: 1})
-    bounds = MappingProxyType(
-        {i: (-bound, bound) for i, bound in enumerate((math.pi, math.pi, *MAX_SPEEDS))}
-    )
+    bounds = MappingProxyType({2 + i: (-speed, speed) for i, speed in enumerate(MAX_SPEEDS)})
     regimes = ("free", "clipped", "wrapped")
     step_kernel = staticmethod(step_rows)
     differentiate_kernel = staticmethod(differentiate_rows)

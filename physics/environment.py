@@ -119,7 +119,7 @@ class Environment(ABC):
     hidden: ClassVar[tuple[int, ...]] = ()
     """Coordinates that no network sees."""
     bounds: ClassVar[Mapping[int, tuple[float, float]]] = MappingProxyType({})
-    """Coordinate -> its lowest and highest value in any start state and next state."""
+    """Coordinate -> its least and greatest value: no step leads beyond, and none starts there."""
     regimes: ClassVar[tuple[str, ...]] = ("free", "clipped")
     """The kinds of step that the gradient audit reports apart."""
 

@@ -53,12 +53,13 @@ def refuse_impossible(task: Environment, states: FloatArray) -> None:
     Raises:
         ValueError: naming the state, and the coordinates that are out of bounds.
     """
-    if not np.isfinite(states).all():
-        raise ValueError(f"options['state'] must be finite, not {states.tolist()}")
+    broken = states[~np.isfinite(states).all(axis=1)]
+    if len(broken):
+        raise ValueError(f"options['state'] must be finite, not {broken[0].tolist()}")
     mistakes = [
-        f"coordinate {i} must lie in [{low}, {high}], not be {value}"
+        f"coordinate {i} must lie in [{low}, {high}], not be {outside[0]}"
         for i, (low, high) in task.bounds.items()
-        for value in states[(states[:, i] < low) | (states[:, i] > high), i]
+        if len(outside := states[(states[:, i] < low) | (states[:, i] > high), i])
     ]
     if mistakes:
         raise ValueError(f"options['state'] is no state of {task.name}: {'; '.join(mistakes)}")
