@@ -16,11 +16,9 @@ SINE = (-1.0, 1.0)
 
 def observation_space(task: Environment) -> Box[np.float64]:
     """Where the features [F] lie."""
-    sources = task.feature_sources.tolist()
-    angular = [source in task.angles for source in sources]
     bounds = [
-        SINE if wraps else task.bounds.get(source, UNBOUNDED)
-        for source, wraps in zip(sources, angular, strict=True)
+        SINE if source in task.angles else task.bounds.get(source, UNBOUNDED)
+        for source in task.feature_sources.tolist()
     ]
     low, high = np.array(bounds).T
     return Box(low, high, dtype=np.float64)

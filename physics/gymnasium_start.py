@@ -65,8 +65,8 @@ def refuse_impossible(task: Environment, states: FloatArray) -> None:
         raise ValueError(f"options['state'] is no state of {task.name}: {'; '.join(mistakes)}")
     try:
         task.step(states, np.zeros((len(states), task.action_size)))
-    except UnsolvedStepError as unsolved:
-        raise ValueError(f"options['state'] is no state of {task.name}: {unsolved}") from unsolved
+    except (ValueError, UnsolvedStepError) as refusal:
+        raise ValueError(f"options['state'] is no state of {task.name}: {refusal}") from refusal
 
 
 def _as_numbers(task: Environment, asked: Any) -> FloatArray:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from stable_baselines3.common.env_checker import check_env as check_env_of_stable_baselines
 
 import physics
-from physics.environment import FloatArray
+from physics.environment import FloatArray, UnsolvedStepError
 from physics.gymnasium_env import GymnasiumEnvironment
 from physics.randomness import generator
 
@@ -209,6 +209,17 @@ def test_a_bad_start_is_refused(options: dict[str, Any], complaint: str) -> None
     expected.reset(seed=2)
     np.testing.assert_array_equal(environment.step([0.5])[0], expected.step([0.5])[0])
     np.testing.assert_array_equal(environment.reset()[0], expected.reset()[0])
+
+
+def test_a_start_from_which_no_step_is_found_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    environment = bare("Pendulum")
+
+    def unsolved(*_: Any) -> None:
+        raise UnsolvedStepError("no solution")
+
+    monkeypatch.setattr(environment.task, "step", unsolved)
+    with pytest.raises(ValueError, match="no state of Pendulum: no solution"):
+        environment.reset(options={"state": [0.0, 0.0]})
 
 
 def test_nothing_moves_before_a_reset() -> None:

@@ -88,6 +88,22 @@ def test_it_equals_gymnasiums_loop_over_single_ones(
     assert drawn[0] == drawn[1]
 
 
+@every_mode
+def test_rows_restarted_under_way_equal_gymnasiums_loop(mode: AutoresetMode) -> None:
+    both = (
+        native("CartPole", max_episode_steps=9, autoreset_mode=mode),
+        synchronous("CartPole", mode, max_episode_steps=9),
+    )
+    for each in both:
+        each.reset(seed=3)
+    for turn, action in enumerate(actions(both[0], 60)):
+        one, other = (each.step(action) for each in both)
+        assert data_equivalence(one, other, exact=True)
+        mask = one[2] | one[3] | (np.arange(ROWS) == turn % ROWS)
+        again = [each.reset(options={"reset_mask": mask.copy()}) for each in both]
+        assert data_equivalence(again[0], again[1], exact=True)
+
+
 @pytest.mark.parametrize("name", physics.names())
 def test_each_row_walks_the_single_ones_episode(name: str) -> None:
     vector = native(name, rows=3)
