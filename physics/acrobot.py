@@ -129,6 +129,7 @@ class Acrobot(Environment):
     max_reward = 0.0
     reward_is_differentiable = False
     angles = MappingProxyType({0: 1, 1: 1})
+    bounds = MappingProxyType({2 + i: (-speed, speed) for i, speed in enumerate(MAX_SPEEDS)})
     regimes = ("free", "clipped", "wrapped")
     step_kernel = staticmethod(step_rows)
     differentiate_kernel = staticmethod(differentiate_rows)

@@ -120,6 +120,8 @@ class Environment(ABC):
     """Coordinate -> multiplicity k: the network sees `cos(k theta), sin(k theta)`."""
     hidden: ClassVar[tuple[int, ...]] = ()
     """Coordinates that no network sees."""
+    bounds: ClassVar[Mapping[int, tuple[float, float]]] = MappingProxyType({})
+    """Coordinate -> its least and greatest value: no step leads beyond, and none starts there."""
     regimes: ClassVar[tuple[str, ...]] = ("free", "clipped")
     """The kinds of step that the gradient audit reports apart."""
 

@@ -14,6 +14,7 @@ valley, 0 on the hilltop. Dynamics after Moore (1990), by way of Gymnasium.
 """
 
 import math
+from types import MappingProxyType
 
 import numpy as np
 
@@ -135,6 +136,7 @@ class MountainCar(Environment):
     action_size = 1
     horizon = 200
     max_reward = 0.0
+    bounds = MappingProxyType({0: (LEFT_WALL, RIGHT_WALL), 1: (-MAX_SPEED, MAX_SPEED)})
     regimes = ("free", "clipped", "wall")
     step_kernel = staticmethod(step_rows)
     differentiate_kernel = staticmethod(differentiate_rows)

@@ -144,6 +144,7 @@ class Pendulum(Environment):
     horizon = 200
     max_reward = 0.0
     angles = MappingProxyType({0: 1})
+    bounds = MappingProxyType({1: (-MAX_SPEED, MAX_SPEED)})
     regimes = ("free", "clipped", "wrapped")
     step_kernel = staticmethod(step_rows)
     differentiate_kernel = staticmethod(differentiate_rows)
