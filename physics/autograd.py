@@ -1,16 +1,23 @@
 """Autograd: a step of a task as a torch function, differentiated by its exact Jacobians.
 
-The gradient of a loss L passes a step backwards as
+The gradient of a loss L passes a step backwards, and a tangent (ds, da) forwards, as
 
-    dL/ds = J_s^T (dL/ds' + dL/dr dr/ds') + dL/dr dr/ds
-    dL/da = J_a^T (dL/ds' + dL/dr dr/ds') + dL/dr dr/da
+    dL/ds = J_s^T g + dL/dr dr/ds        dL/da = J_a^T g + dL/dr dr/da,    g = dL/ds' + dL/dr dr/ds'
+    ds'   = J_s ds + J_a da              dr    = dr/ds ds + dr/da da + dr/ds' ds'
+
+The Jacobians are a function of the state and the action in turn: a task of torch functions is
+differentiated as often as asked, a compiled one once.
 """
 
+from contextlib import AbstractContextManager
 from typing import Any, NamedTuple
 
 import torch
+from torch.autograd import forward_ad
+from torch.func import jacrev, vmap
 
 from physics.environment import Environment
+from physics.torch_environment import Tensors, TorchEnvironment, gradients_enabled
 
 
 class TorchTransition(NamedTuple):
@@ -29,46 +36,160 @@ def torch_step(
 ) -> TorchTransition:
     """Advance states [batch, n] by one step; gradients flow to states and actions.
 
+    It works in float64, whatever the dtypes: next states and rewards have the dtype of `states`, a
+    gradient that of what it belongs to. `torch.func` can transform it in any grad mode, and
+    functions that `torch.compile` compiles may call it (it is not compiled itself).
+
     Where `reward_is_differentiable` is False, the reward carries no gradient, and asking for one is
-    torch's error. There is no second derivative: asking for one is an error too.
+    torch's error.
 
     Raises:
-        ValueError: for anything but float64 tensors on the CPU, and as `Environment.step`.
+        ValueError: for anything but floating-point tensors on the CPU, and as `Environment.step`.
+        RuntimeError: for a second derivative of a task that is no `TorchEnvironment`.
     """
     for what, tensor in (("states", states), ("actions", actions)):
-        if tensor.dtype != torch.float64 or tensor.device.type != "cpu":
+        if not tensor.dtype.is_floating_point or tensor.device.type != "cpu":
             raise ValueError(
-                f"{what} must be a float64 tensor on the CPU, not {tensor.dtype} on {tensor.device}"
+                f"{what} must be a floating-point tensor on the CPU, "
+                f"not {tensor.dtype} on {tensor.device}"
             )
-    return TorchTransition(*_Step.apply(environment, states, actions))  # type: ignore[no-untyped-call]
+    next_state, reward, terminated = _uncompiled_step(
+        environment, states.to(torch.float64), actions.to(torch.float64)
+    )
+    return TorchTransition(next_state.to(states.dtype), reward.to(states.dtype), terminated)
 
 
-class _Step(torch.autograd.Function):
+class _OfRows(torch.autograd.Function):
+    """A function of a task, states [batch, n] and actions [batch, m], row by row."""
+
+    @classmethod
+    def of(cls, environment: Environment, *rows: torch.Tensor) -> Tensors:
+        """The function, as torch differentiates and transforms it."""
+        results: Tensors = cls.apply(environment, *rows)  # type: ignore[no-untyped-call]
+        return results
+
     @staticmethod
-    def forward(
-        context: Any, environment: Environment, states: torch.Tensor, actions: torch.Tensor
-    ) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
-        linearization = environment.differentiate(states.detach().numpy(), actions.detach().numpy())
-        transition, *derivatives = linearization
-        context.save_for_backward(*map(torch.from_numpy, derivatives))
-        next_state, reward, terminated = map(torch.from_numpy, transition)
-        constant = [terminated] if environment.reward_is_differentiable else [terminated, reward]
+    def setup_context(context: Any, inputs: tuple[Any, ...], output: Tensors) -> None:
+        del output
+        context.environment, *rows = inputs
+        context.save_for_backward(*rows)
+        context.save_for_forward(*rows)
+
+    @classmethod
+    def vmap(
+        cls,
+        info: Any,
+        in_dims: tuple[int | None, ...],
+        environment: Environment,
+        *rows: torch.Tensor,
+    ) -> tuple[Tensors, tuple[int, ...]]:
+        """Rows of rows are rows: one call for all."""
+        dims = in_dims[1:]
+        first = [
+            r.expand(info.batch_size, *r.shape) if dim is None else r.movedim(dim, 0)
+            for r, dim in zip(rows, dims, strict=True)
+        ]
+        results = cls.of(environment, *(r.flatten(0, 1) for r in first))
+        shape = first[0].shape[:2]
+        return tuple(r.view(*shape, *r.shape[1:]) for r in results), (0,) * len(results)
+
+
+class _Step(_OfRows):
+    """The transition."""
+
+    @staticmethod
+    def forward(environment: Environment, states: torch.Tensor, actions: torch.Tensor) -> Tensors:
+        transition = environment.step(states.detach().numpy(), actions.detach().numpy())
+        return tuple(map(torch.from_numpy, transition))
+
+    @staticmethod
+    def setup_context(context: Any, inputs: tuple[Any, ...], output: Tensors) -> None:
+        _OfRows.setup_context(context, inputs, output)
+        _, reward, terminated = output
+        constant = [terminated] if inputs[0].reward_is_differentiable else [terminated, reward]
         context.mark_non_differentiable(*constant)
-        return next_state, reward, terminated
 
     @staticmethod
     def backward(
-        context: Any,
-        next_state_gradient: torch.Tensor,
-        reward_gradient: torch.Tensor,
-        _terminated: torch.Tensor,
+        context: Any, next_gradient: torch.Tensor, reward_gradient: torch.Tensor, _: Any
     ) -> tuple[None, torch.Tensor, torch.Tensor]:
-        if torch.is_grad_enabled():
-            # Otherwise the Jacobians would silently count as constants.
-            raise RuntimeError("torch_step has no second derivative: drop create_graph=True")
-        state_jacobian, action_jacobian, r_s, r_a, r_next = context.saved_tensors
+        J_s, J_a, r_s, r_a, r_next = _Derivatives.of(context.environment, *context.saved_tensors)
         by_reward = reward_gradient[:, None]
-        arriving = (next_state_gradient + by_reward * r_next)[:, None]
-        by_state = (arriving @ state_jacobian)[:, 0] + by_reward * r_s
-        by_action = (arriving @ action_jacobian)[:, 0] + by_reward * r_a
+        arriving = (next_gradient + by_reward * r_next)[:, None]
+        by_state = (arriving @ J_s)[:, 0] + by_reward * r_s
+        by_action = (arriving @ J_a)[:, 0] + by_reward * r_a
         return None, by_state, by_action
+
+    @staticmethod
+    def jvp(
+        context: Any, _: Any, *tangents: torch.Tensor | None
+    ) -> tuple[torch.Tensor, torch.Tensor | None, None]:
+        with _forward_mode_enabled():
+            (states, actions), (ds, da) = _primals_and_tangents(context, tangents)
+            J_s, J_a, r_s, r_a, r_next = _Derivatives.of(context.environment, states, actions)
+            next_tangent = (J_s @ ds[..., None] + J_a @ da[..., None])[..., 0]
+            if not context.environment.reward_is_differentiable:
+                return next_tangent, None, None
+            by_rows = (r_s * ds).sum(-1) + (r_a * da).sum(-1)
+            return next_tangent, by_rows + (r_next * next_tangent).sum(-1), None
+
+
+# A compiler would trace numpy and numba within.
+_uncompiled_step: Any = torch.compiler.disable(_Step.of)  # type: ignore[no-untyped-call]
+
+
+class _Derivatives(_OfRows):
+    """The derivatives of the transition, in the order of a `Linearization`."""
+
+    @staticmethod
+    def forward(environment: Environment, states: torch.Tensor, actions: torch.Tensor) -> Tensors:
+        linearization = environment.differentiate(states.detach().numpy(), actions.detach().numpy())
+        return tuple(map(torch.from_numpy, linearization[1:]))
+
+    @staticmethod
+    def backward(context: Any, *gradients: torch.Tensor) -> tuple[Any, ...]:
+        task = _twice_differentiable(context.environment)
+        with gradients_enabled():
+            pull = torch.func.vjp(task.derivatives, *context.saved_tensors)[1]
+            return None, *pull(gradients)
+
+    @staticmethod
+    def jvp(context: Any, _: Any, *tangents: torch.Tensor | None) -> Tensors:
+        task = _twice_differentiable(context.environment)
+        with gradients_enabled(), _forward_mode_enabled():
+            rows, (ds, da) = _primals_and_tangents(context, tangents)
+            # By reverse mode: torch.func.jvp inside of a jvp was wrong for batched tangents.
+            slopes = vmap(jacrev(task.derivatives_of_row, argnums=(0, 1)))(*rows)
+            along = "b...i,bi->b..."
+            return tuple(torch.einsum(along, s, ds) + torch.einsum(along, a, da) for s, a in slopes)
+
+
+def _forward_mode_enabled() -> AbstractContextManager[None]:
+    """Inside a `jvp`, torch drops the tangents of outer levels: nested ones would be 0.
+
+    There is no public name for it.
+    """
+    return forward_ad._set_fwd_grad_enabled(True)
+
+
+def _primals_and_tangents(
+    context: Any, tangents: tuple[torch.Tensor | None, ...]
+) -> tuple[Tensors, Tensors]:
+    """The saved rows without the tangents of this level, and those, 0 where there are none."""
+    unpack: Any = forward_ad.unpack_dual
+    primals = tuple(unpack(row).primal for row in context.saved_tensors)
+    full = (
+        torch.zeros_like(primal) if tangent is None else tangent
+        for primal, tangent in zip(primals, tangents, strict=True)
+    )
+    return primals, tuple(full)
+
+
+def _twice_differentiable(environment: Environment) -> TorchEnvironment:
+    """The task, if it has second derivatives."""
+    if isinstance(environment, TorchEnvironment):
+        return environment
+    raise RuntimeError(
+        f"{environment.name} has no second derivative: its Jacobians are compiled, not torch "
+        "functions; drop create_graph=True and nested transforms, or write it as TorchEnvironment"
+    )

@@ -15,6 +15,7 @@ from typing import Any, TypeVar, cast
 import numba
 
 from physics import source_closure
+from physics.kernel_cache import KernelCache
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -45,14 +46,12 @@ def _jit(function: F, fastmath: bool | set[str]) -> F:
     folder = _cache_folder(function.__code__.co_filename)
     config.CACHE_DIR = str(folder)
     try:
-        jit = numba.njit(
-            cache=_can_keep(folder),
-            nogil=True,
-            error_model="numpy",
-            fastmath=fastmath,
-            forceinline=bool(fastmath),
-        )
-        return cast("F", jit(function))
+        kernel: Any = numba.njit(
+            nogil=True, error_model="numpy", fastmath=fastmath, forceinline=bool(fastmath)
+        )(function)
+        if _can_keep(folder):
+            kernel._cache = KernelCache(function)  # as `cache=True` sets numba's own
+        return cast("F", kernel)
     finally:
         config.CACHE_DIR = others
 

@@ -8,6 +8,7 @@ from physics.articulated import place
 from physics.body import Body, load_action, load_state
 from physics.compiled import compiled
 from physics.contact_mode import OPEN
+from physics.environment import BoolArray
 from physics.ground_contact import measure
 from physics.record import Floats, Integers, Records
 from physics.residual import BOUND, residual
@@ -140,3 +141,25 @@ def sphere_centres(mechanisms: Records, bodies: Records, states: Floats, centres
             link = mechanism.sphere_link[k]
             centres[row, k, 0] = body.pose.origin[link, 0] + body.pose.spoke[k, 0]
             centres[row, k, 1] = body.pose.origin[link, 1] + body.pose.spoke[k, 1]
+
+
+@compiled
+def find_sunk(
+    mechanisms: Records, bodies: Records, states: Floats, depth: float, sunk: BoolArray
+) -> bool:
+    """Mark states [batch] with a sphere in the ground or a joint in its stop by more than `depth`.
+
+    Returns:
+        Whether there is any.
+    """
+    mechanism, body = mechanisms[0], bodies[0]
+    found = False
+    for row in range(states.shape[0]):
+        load_state(mechanism, states, row, body)
+        place(mechanism, body.q, body.pose)
+        measure(mechanism, body.q, body.pose, body.margin)
+        sunk[row] = False
+        for k in range(body.margin.shape[0]):
+            sunk[row] |= body.margin[k] < -depth
+        found |= sunk[row]
+    return found

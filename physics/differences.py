@@ -4,12 +4,13 @@ Fourth-order central differences at a ladder of widths h, each a quarter of the 
 
     D(h) = (8 [f(x + h) - f(x - h)] - [f(x + 2h) - f(x - 2h)]) / 12h
 
-A width counts only where all of x, x +- h, x +- 2h lie on one smooth piece of the map (see
-`Environment.pieces`): a difference across a kink is no derivative of anything. Of the widths that
-count, the one that agrees best with the width before it is taken, entry by entry (Ridders 1982
-chooses so). Where no two neighbouring widths count, or none agree to DOUBT of what they measure,
-the state lies at a kink: a width narrow enough to fit there tells the derivative no more. A quarter
-of the width makes the fourth order 256 times better: errors stay far below DOUBT.
+A width counts only where all of x, x +- h, x +- 2h lie in the task's domain and on one smooth
+piece of the map (see `Environment.pieces`): a difference across a kink is no derivative of
+anything. Of the widths that count, the one that agrees best with the width before it is taken,
+entry by entry (Ridders 1982 chooses so). Where no two neighbouring widths count, or none agree to
+DOUBT of what they measure, the state lies at a kink: a width narrow enough to fit there tells the
+derivative no more. A quarter of the width makes the fourth order 256 times better: errors stay far
+below DOUBT.
 
 Glossary: `x` is state and action together, [batch, n + m]; `y` is next state and reward together.
 """
@@ -100,7 +101,7 @@ def _scale(matrix: FloatArray) -> FloatArray:
 def _at_width(
     environment: Environment, states: FloatArray, actions: FloatArray, width: float
 ) -> FloatArray:
-    """D(width) [batch, n + 1, n + m], NaN in columns whose stencil leaves its centre's piece."""
+    """D(width) [batch, n + 1, n + m], NaN where a stencil leaves its piece or the domain."""
     n = environment.state_size
     x = np.concatenate([states, actions], axis=1)
     batch, inputs = x.shape
@@ -108,6 +109,8 @@ def _at_width(
     points = x[:, None, None, :] + width * np.einsum("k,ij->ikj", _STENCIL, np.eye(inputs))
     flat = points.reshape(-1, inputs)
     s, a = np.ascontiguousarray(flat[:, :n]), np.ascontiguousarray(flat[:, n:])
+    outside = environment.outside(s)
+    s[outside] = np.repeat(states, inputs * len(_STENCIL), axis=0)[outside]
     transition = environment.step(s, a)
     y = np.concatenate([transition.next_state, transition.reward[:, None]], axis=1)
     slope: FloatArray = (
@@ -116,5 +119,6 @@ def _at_width(
     centre = environment.pieces(states, actions).piece
     around = environment.pieces(s, a).piece.reshape(batch, inputs, 4, -1)
     crossing = (around != centre[:, None, None]).any(axis=(2, 3))
+    crossing |= outside.reshape(batch, inputs, -1).any(axis=2)
     slope[np.broadcast_to(crossing[:, None], slope.shape)] = np.nan
     return slope

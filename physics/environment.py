@@ -20,18 +20,28 @@ Glossary:
 """
 
 import time
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from physics.domain import Domain
+from physics.domain import DomainError as DomainError  # noqa: PLC0414 - of this contract
+from physics.domain import NotFiniteError as NotFiniteError  # noqa: PLC0414
 from physics.drawing import Drawing
 from physics.features import Array, FeatureMap
 from physics.randomness import generator
-from physics.row_checks import are_finite, float64_rows, is_finite_linearization
+from physics.row_checks import (
+    are_finite,
+    float64_rows,
+    float64_vector,
+    is_finite_linearization,
+)
+from physics.task_check import CheckedWhenMade
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -80,26 +90,7 @@ class UnsolvedStepError(ArithmeticError):
     """A step whose equations could not be solved; its message holds the state and the action."""
 
 
-class NotFiniteError(ValueError):
-    """A NaN or an infinity in what a step was given, or in what came out of it.
-
-    Attributes:
-        rows: the rows of the batch that have one.
-        quantity: what it is that is not finite in the first of them, such as "next state".
-    """
-
-    def __init__(self, message: str, rows: Sequence[int] | IntArray, quantity: str) -> None:
-        """Blame rows of a batch."""
-        self.rows = tuple(int(row) for row in rows)
-        self.quantity = quantity
-        super().__init__(message, self.rows, quantity)
-
-    def __str__(self) -> str:
-        """The message alone."""
-        return str(self.args[0])
-
-
-class Environment(ABC):
+class Environment(metaclass=CheckedWhenMade):
     """A task: its constants, its dynamics, its derivatives, what a network sees of it.
 
     An instance holds no state: all its methods are pure.
@@ -131,9 +122,14 @@ class Environment(ABC):
     differentiate_kernel: Callable[..., int]
     """`(s, a, *transition, *derivatives)` does the same with all fields of a Linearization."""
 
-    def __init__(self) -> None:
-        """Lay out the features."""
-        self.feature_map = FeatureMap(self.state_size, self.angles, self.hidden)
+    @cached_property
+    def feature_map(self) -> FeatureMap:
+        """How features follow from states."""
+        return FeatureMap(self.state_size, self.angles, self.hidden)
+
+    @cached_property
+    def _domain(self) -> Domain:
+        return Domain(self.name, self.state_size, self.bounds)
 
     @abstractmethod
     def initial_state(self, generator: np.random.Generator) -> FloatArray:
@@ -147,7 +143,8 @@ class Environment(ABC):
         """Advance states [batch, n] by one step under actions [batch, m].
 
         Raises:
-            ValueError: for a wrong type, dtype or shape, and for a state outside the task's domain.
+            ValueError: for a wrong type, dtype or shape.
+            DomainError: for states outside the task's domain.
             NotFiniteError: for NaN and infinity in states and actions, or in the step's results.
             UnsolvedStepError: when a row's equations have no solution within the solver's bounds.
         """
@@ -168,7 +165,7 @@ class Environment(ABC):
         """Advance by one step, bit for bit as `step`, with the exact derivatives.
 
         Raises:
-            ValueError, NotFiniteError, UnsolvedStepError: as `step`, derivatives included.
+            ValueError, DomainError, NotFiniteError, UnsolvedStepError: as `step`.
         """
         states, actions = self._checked(states, actions)
         batch, n, m = len(states), self.state_size, self.action_size
@@ -191,11 +188,36 @@ class Environment(ABC):
         return linearization
 
     def initial_states(self, seeds: Sequence[int] | IntArray) -> FloatArray:
-        """Start states [len(seeds), n]; row i depends on `seeds[i]` alone."""
+        """Start states [len(seeds), n]; row i depends on `seeds[i]` alone.
+
+        Raises:
+            ValueError: for a seed that is none, and for a start state that no step may begin with.
+        """
         states = np.empty((len(seeds), self.state_size))
         for row, seed in enumerate(seeds):
-            states[row] = self.initial_state(generator(seed, "initial state"))
+            state = self.initial_state(generator(seed, "initial state"))
+            states[row] = float64_vector(state, self.state_size, f"{self.name}: an initial state")
+        self.check_inside(states, np.empty((len(seeds), 0)))
         return states
+
+    def outside(self, states: FloatArray) -> BoolArray:
+        """Which states [batch] no step may begin with: beyond `bounds`, rounding aside.
+
+        A task whose domain has another shape overrides this and `check_inside`.
+        """
+        return self._domain.outside(states)
+
+    def check_inside(self, states: FloatArray, actions: FloatArray) -> None:
+        """Nothing, if a step may begin with all of these rows.
+
+        Raises:
+            NotFiniteError, DomainError: as `step`.
+        """
+        self._domain.check(states, actions)
+
+    def function_mistakes(self) -> list[str]:
+        """What is wrong with the functions that make up the task, told as it is made."""
+        return []
 
     def features(self, states: Array) -> Array:
         """What a network sees [batch, F] of states [batch, n], numpy or torch (differentiable)."""
@@ -288,20 +310,18 @@ class Environment(ABC):
         )
 
     def _checked(self, states: FloatArray, actions: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Both arrays as the kernels were compiled for and may take, or a ValueError."""
+        states, actions = self._rows(states, actions)
+        self.check_inside(states, actions)
+        return states, actions
+
+    def _rows(self, states: FloatArray, actions: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Both arrays as the kernels were compiled for, or a ValueError."""
         states = float64_rows(states, self.state_size, "states")
         actions = float64_rows(actions, self.action_size, "actions")
         if len(states) != len(actions):
             raise ValueError(
                 f"states and actions must have as many rows, not {len(states)} and {len(actions)}"
-            )
-        if not are_finite(states, actions):
-            rows = np.flatnonzero(~(np.isfinite(states).all(1) & np.isfinite(actions).all(1)))
-            raise NotFiniteError(
-                f"states and actions must be finite, but row {rows[0]} has "
-                f"state {states[rows[0]].tolist()}, action {actions[rows[0]].tolist()}",
-                rows,
-                "action" if np.isfinite(states[rows[0]]).all() else "state",
             )
         return states, actions
 

@@ -31,6 +31,7 @@ from physics.contact_derivative import (
 from physics.contact_report import (
     ContactReport,
     empty_report,
+    find_sunk,
     report_rows,
     signature_rows,
     sphere_centres,
@@ -61,6 +62,8 @@ BODY = dtype(Body, **sizes(ROBOT))
 TANGENT = dtype(Tangent, **sizes(ROBOT))
 COORDINATES = len(ROBOT.links) + 2
 SPHERES = CHEETAH["radius"].shape[1]
+DEEPEST = 5e-3
+"""How deep (m, rad) a sphere may be in the ground, or a joint in its stop: rollouts stay above."""
 ONE_OF_EACH_SPHERE = sum(1 << 2 * k for k in range(SPHERES))
 """The lower of the two bits that a signature has for each sphere."""
 RESTING_SPEED = 0.1
@@ -164,6 +167,23 @@ class HalfCheetah(Environment):
         state[1] += max(0.0, -lowest)
         return state
 
+    def outside(self, states: FloatArray) -> BoolArray:
+        """Where a sphere is in the ground, or a joint beyond its stop, deeper than a step leads."""
+        sunk = np.empty(len(states), np.bool_)
+        find_sunk(CHEETAH, np.empty(1, BODY), states, DEEPEST, sunk)
+        return sunk | super().outside(states)
+
+    def check_inside(self, states: FloatArray, actions: FloatArray) -> None:
+        """No sphere in the ground, no joint beyond its stop, and everything finite."""
+        super().check_inside(states, actions)
+        sunk = np.empty(len(states), np.bool_)
+        if find_sunk(CHEETAH, np.empty(1, BODY), states, DEEPEST, sunk):
+            raise self._domain.error(
+                states,
+                sunk,
+                "nothing below the ground and no joint beyond its stop by 5 mm or mrad",
+            )
+
     def contact_report(self, states: FloatArray, actions: FloatArray) -> ContactReport:
         """What the contacts of one step do, substep by substep.
 
@@ -213,7 +233,8 @@ class HalfCheetah(Environment):
         q, v = float64_rows(q, COORDINATES, "q"), float64_rows(v, COORDINATES, "v")
         if len(q) != len(v):
             raise ValueError(f"q and v must have as many rows, not {len(q)} and {len(v)}")
-        states, actions = self._checked(np.concatenate([q, v], axis=1), a)
+        states, actions = self._rows(np.concatenate([q, v], axis=1), a)
+        self._domain.check(states, actions)  # in any pose: the ground and the stops are left out
         forces = np.empty_like(q)
         smooth_forces(CHEETAH, np.empty(1, BODY), states, actions, forces)
         return forces

@@ -34,7 +34,8 @@ from physics.contact_trace import (
     branch_code,
     report_of,
 )
-from physics.die_motion import MAX_CONTACTS, QUARTER_TURN, REACH, move
+from physics.die_motion import MAX_CONTACTS, QUARTER_TURN, REACH, lever, move
+from physics.domain import ROUNDING
 from physics.drawing import Drawing, box, disc
 from physics.environment import (
     BoolArray,
@@ -92,6 +93,20 @@ def arrive(body: Body, next_state: FloatArray) -> bool:
         next_state[i] = body[i]
         total += body[i]
     return bool(np.isfinite(total))
+
+
+@compiled
+def find_sunk(states: FloatArray, sunk: BoolArray) -> bool:
+    """Mark the states [batch] with a corner below the ground, rounding aside; whether any has."""
+    found = False
+    for row in range(states.shape[0]):
+        sunk[row] = False
+        if states[row, 1] < REACH:
+            for corner in range(4):
+                height = states[row, 1] + lever(states[row, 2], corner)[1]
+                sunk[row] |= height < -ROUNDING
+        found |= sunk[row]
+    return found
 
 
 @compiled
@@ -223,6 +238,19 @@ class RollingDie(Environment):
         """Thrown from 3 to 4 m above the ground, 5 m from the target, at any angle."""
         lowest = [0.0, 3.0, -math.pi, 1.5, -1.0, -2.0]
         return generator.uniform(lowest, [0.0, 4.0, math.pi, 2.5, 1.0, 2.0])
+
+    def outside(self, states: FloatArray) -> BoolArray:
+        """Where a corner is below the ground."""
+        sunk = np.empty(len(states), np.bool_)
+        find_sunk(states, sunk)
+        return sunk | super().outside(states)
+
+    def check_inside(self, states: FloatArray, actions: FloatArray) -> None:
+        """No corner below the ground, and everything finite."""
+        super().check_inside(states, actions)
+        sunk = np.empty(len(states), np.bool_)
+        if find_sunk(states, sunk):
+            raise self._domain.error(states, sunk, "no corner of the die below the ground")
 
     def pieces(self, states: FloatArray, actions: FloatArray) -> Pieces:
         """Every branch that every contact of the step took, and the clip of the torque."""

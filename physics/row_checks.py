@@ -40,6 +40,36 @@ def float64_rows(array: Any, width: int, what: str) -> FloatArray:
     return np.array(array, FLOAT64, order="C")
 
 
+def float64_vector(array: Any, width: int, what: str) -> FloatArray:
+    """`array`, if it is float64 [width].
+
+    Raises:
+        ValueError: if it is not.
+    """
+    if not isinstance(array, np.ndarray):
+        raise ValueError(
+            f"{what} must be a numpy array, float64 [{width}], not {type(array).__name__}"
+        )
+    if array.dtype != FLOAT64 or array.shape != (width,):
+        raise ValueError(f"{what} must be float64 [{width}], not {array.dtype} {list(array.shape)}")
+    return array
+
+
+@compiled
+def are_inside(
+    states: FloatArray, actions: FloatArray, lowest: FloatArray, highest: FloatArray
+) -> bool:
+    """Whether states [batch, n] lie between two states [n] and all actions are finite.
+
+    Between finite ones, that is: then NaN and infinity lie outside.
+    """
+    inside = 0
+    for row in range(states.shape[0]):
+        for i in range(states.shape[1]):
+            inside += (states[row, i] >= lowest[i]) & (states[row, i] <= highest[i])
+    return inside == states.size and is_finite(actions)
+
+
 @compiled
 def is_finite(array: FloatArray) -> bool:
     """Whether there is no NaN and no infinity in a contiguous array of any shape.
@@ -54,7 +84,7 @@ def is_finite(array: FloatArray) -> bool:
 
 @compiled
 def are_finite(one: FloatArray, other: FloatArray) -> bool:
-    """Whether both arrays are finite: states and actions, or next states and rewards."""
+    """Whether both arrays are finite."""
     return is_finite(one) and is_finite(other)
 
 

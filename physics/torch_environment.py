@@ -11,10 +11,14 @@ task, not the fast one.
 torch may choose another kernel, and round differently, for another batch size. So every call works
 in blocks of the same 64 rows, the last one filled up with copies of its last row: a row's bits then
 do not depend on its neighbours.
+
+`torch.func` returns wrong Jacobians of `torch.linalg` where gradients are disabled around it. So
+every call of an author's function is made with gradients enabled, whatever mode the caller is in.
 """
 
 from abc import abstractmethod
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -22,8 +26,18 @@ import torch
 from torch.func import grad, jacrev, vmap
 
 from physics.environment import BoolArray, Environment, FloatArray
+from physics.torch_task_check import function_mistakes
 
 _BLOCK = 64
+
+Tensors = tuple[torch.Tensor, ...]
+
+
+@contextmanager
+def gradients_enabled() -> Iterator[None]:
+    """Enable gradients, also within `torch.no_grad` and `torch.inference_mode`."""
+    with torch.inference_mode(False), torch.enable_grad():
+        yield
 
 
 class TorchEnvironment(Environment):
@@ -46,6 +60,11 @@ class TorchEnvironment(Environment):
         """Whether the episode ends there, bool []; by default it never does."""
         return torch.zeros_like(next_state[0], dtype=torch.bool)
 
+    def function_mistakes(self) -> list[str]:
+        """What is wrong with the task's functions."""
+        with gradients_enabled():
+            return function_mistakes(self)
+
     def step_kernel(
         self,
         states: FloatArray,
@@ -55,50 +74,54 @@ class TorchEnvironment(Environment):
         terminated: BoolArray,
     ) -> int:
         """Step every row; see `Environment.step_kernel`."""
-        for rows, s, a in _blocks(states, actions):
-            _fill(
-                vmap(self._transition)(s, a.clamp(-1.0, 1.0)),
-                (next_states, rewards, terminated),
-                rows,
-            )
+        _fill(self._transitions, states, actions, (next_states, rewards, terminated))
         return -1
 
     def differentiate_kernel(self, states: FloatArray, actions: FloatArray, *outputs: Any) -> int:
         """Step and differentiate every row; see `Environment.differentiate_kernel`."""
-        self.step_kernel(states, actions, *outputs[:3])
-        for rows, s, a in _blocks(states, actions):
-            u = a.clamp(-1.0, 1.0)
-            within = (a.abs() <= 1.0).to(a.dtype)
-            following = vmap(self.dynamics)(s, u)
-            by_state, by_action = vmap(jacrev(self.dynamics, argnums=(0, 1)))(s, u)
-            gradients: Callable[..., tuple[torch.Tensor, ...]] = grad(
-                self.reward, argnums=(0, 1, 2)
-            )
-            r_state, r_action, r_next = vmap(gradients)(s, u, following)
-            results = (by_state, by_action * within[:, None], r_state, r_action * within, r_next)
-            _fill(results, outputs[3:], rows)
+        _fill(self._transitions, states, actions, outputs[:3])
+        _fill(self.derivatives, states, actions, outputs[3:])
         return -1
 
-    def _transition(
-        self, state: torch.Tensor, action: torch.Tensor
-    ) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
+    def derivatives(self, states: torch.Tensor, actions: torch.Tensor) -> Tensors:
+        """The derivatives of a `Linearization` in its order, themselves differentiable.
+
+        Args:
+            states: float64 [batch, n].
+            actions: float64 [batch, m].
+        """
+        return vmap(self.derivatives_of_row)(states, actions)
+
+    def derivatives_of_row(self, state: torch.Tensor, action: torch.Tensor) -> Tensors:
+        """The same of one state [n] and one action [m]."""
+        u = action.clamp(-1.0, 1.0)
+        within = (action.abs() <= 1.0).to(action.dtype)
+        by_state, by_action = jacrev(self.dynamics, argnums=(0, 1))(state, u)
+        following = self.dynamics(state, u)
+        gradients: Callable[..., Tensors] = grad(self.reward, argnums=(0, 1, 2))
+        r_state, r_action, r_next = gradients(state, u, following)
+        return by_state, by_action * within, r_state, r_action * within, r_next
+
+    def _transitions(self, states: torch.Tensor, actions: torch.Tensor) -> Tensors:
+        """The fields of a `Transition`."""
+        return vmap(self._transition)(states, actions.clamp(-1.0, 1.0))
+
+    def _transition(self, state: torch.Tensor, action: torch.Tensor) -> Tensors:
         following = self.dynamics(state, action)
         return following, self.reward(state, action, following), self.terminated(following)
 
 
-def _blocks(
-    states: FloatArray, actions: FloatArray
-) -> Iterator[tuple[slice, torch.Tensor, torch.Tensor]]:
-    """The rows in blocks of 64, the last filled up with copies of the last row."""
+def _fill(
+    function: Callable[[torch.Tensor, torch.Tensor], Tensors],
+    states: FloatArray,
+    actions: FloatArray,
+    outputs: tuple[FloatArray | BoolArray, ...],
+) -> None:
+    """Write what a function makes of the rows, block by block, without the copies that fill up."""
     for start in range(0, len(states), _BLOCK):
         picked = np.minimum(np.arange(start, start + _BLOCK), len(states) - 1)
-        rows = slice(start, min(start + _BLOCK, len(states)))
-        yield rows, torch.from_numpy(states[picked]), torch.from_numpy(actions[picked])
-
-
-def _fill(
-    results: tuple[torch.Tensor, ...], outputs: tuple[FloatArray | BoolArray, ...], rows: slice
-) -> None:
-    """Copy a block's results, without the copies that filled it up."""
-    for result, output in zip(results, outputs, strict=True):
-        output[rows] = result.detach().numpy()[: rows.stop - rows.start]
+        with gradients_enabled():
+            results = function(torch.from_numpy(states[picked]), torch.from_numpy(actions[picked]))
+        for result, output in zip(results, outputs, strict=True):
+            rows = output[start : start + _BLOCK]
+            rows[:] = result.detach().numpy()[: len(rows)]

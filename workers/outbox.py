@@ -161,13 +161,13 @@ class Outbox:
 def read_spool(path: Path) -> list[Report]:
     """Return what a pool that is no more had to say, with the loss of each of its workers.
 
-    The last line may have been cut off; it is left out.
+    The last line may have been cut off: a damaged line and all that follow it are left out.
     """
     roster, reports = Roster(), []
     for line in path.read_bytes().splitlines():
         try:
             reports.append(from_line(line))
-        except (ValueError, LookupError):
+        except ValueError:
             break
         roster.take(reports[-1])
     reason = "its worker ended while the service was away"

@@ -209,7 +209,7 @@ class PoolProcess:
             described = json.loads(self._record.read_text())
             self._scratch = described["scratch"]
             pid = described["process"]
-        except (OSError, ValueError, LookupError):
+        except (OSError, ValueError, LookupError, TypeError):
             return False
         if runs_with(pid, f"--scratch={self._scratch}"):
             self._process_id = pid

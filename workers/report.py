@@ -101,9 +101,12 @@ def to_line(report: Report) -> str:
 
 
 def from_line(line: str | bytes) -> Report:
-    """Read what `to_line` wrote."""
-    fields = json.loads(line)
-    kind = KINDS[fields.pop("kind")]
-    if kind is News:
-        return News(fields["worker"], fields["cohort"], Progress.from_json(fields["progress"]))
-    return kind(**fields)
+    """Read what `to_line` wrote. Raises ValueError for anything else."""
+    try:
+        fields = json.loads(line)
+        kind = KINDS[fields.pop("kind")]
+        if kind is News:
+            return News(fields["worker"], fields["cohort"], Progress.from_json(fields["progress"]))
+        return kind(**fields)
+    except (LookupError, TypeError, AttributeError) as error:
+        raise ValueError(f"no report: {error}") from error

@@ -229,7 +229,7 @@ def test_train_tells_at_the_end_what_failed_and_what_diverged(
 RATE = st.floats(1e-6, 1.0)
 SHARE = st.floats(0.0, 1.0)
 WEIGHT = st.sampled_from([0.0, 1e-30, 0.1, 1e6, 1e30])
-SETTINGS = {
+SETTINGS: dict[str, dict[str, st.SearchStrategy[Any]]] = {
     "ddpg": {
         "hidden_units": st.integers(4, 16), "batch_size": st.integers(1, 32),
         "actor_rate": RATE, "critic_rate": RATE, "critic_decay": SHARE,

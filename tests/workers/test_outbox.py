@@ -90,9 +90,22 @@ def test_what_nobody_heard_is_in_the_spool_until_it_is_recorded(
     second.close()
 
 
-def test_a_line_that_was_cut_off_is_left_out(spool: Path) -> None:
+@pytest.mark.parametrize(
+    "damaged",
+    [
+        to_line(NEWS[1])[:40],
+        to_line(NEWS[1]).replace("cohort", "cohorx"),
+        to_line(ENDED).replace("worker", "workes"),
+        to_line(ENDED).replace("ended", "ender"),
+        "3",
+        "[]",
+        "{}",
+        '{"kind": []}',
+    ],
+)
+def test_a_damaged_line_is_left_out(spool: Path, damaged: str) -> None:
     spool.parent.mkdir()
-    spool.write_text(f"{to_line(BUSY)}\n{to_line(NEWS[0])}\n{to_line(NEWS[1])[:40]}")
+    spool.write_text(f"{to_line(BUSY)}\n{to_line(NEWS[0])}\n{damaged}")
     assert read_spool(spool)[:-1] == [BUSY, NEWS[0]]
 
 

@@ -1,0 +1,130 @@
+"""Task check: what a task declares, held against what every task must; all mistakes at once.
+
+Every task is checked when it is made, so that a slip is told by its name and not by the shape of an
+array in some worker.
+"""
+
+import re
+from abc import ABCMeta
+from collections.abc import Callable, Iterator, Mapping
+from math import isfinite
+from numbers import Integral, Real
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+if TYPE_CHECKING:
+    from physics.environment import Environment
+
+_MISSING = object()
+
+
+class CheckedWhenMade(ABCMeta):
+    """The metaclass of tasks: one that cannot work is refused as it is made."""
+
+    def __call__(cls, *args: Any, **kwargs: Any) -> Any:
+        """Make a task.
+
+        Raises:
+            ValueError: with all that is wrong with it.
+        """
+        task: Environment = super().__call__(*args, **kwargs)
+        mistakes = declaration_mistakes(task)
+        if not sizes_are_wrong(task):
+            mistakes += task.function_mistakes()
+        if mistakes:
+            raise ValueError("\n- ".join([f"{cls.__name__} is no task yet:", *mistakes]))
+        return task
+
+
+class Rule(NamedTuple):
+    """What a constant must be."""
+
+    name: str
+    expected: str
+    fits: Callable[[Any], bool]
+
+
+def is_whole(value: Any, least: int = 1) -> bool:
+    """Whether a value is an integer of at least `least`; True and False are none."""
+    return not isinstance(value, bool) and isinstance(value, Integral) and int(value) >= least
+
+
+def is_number(value: Any) -> bool:
+    """Whether a value is a finite number."""
+    return not isinstance(value, bool) and isinstance(value, Real) and isfinite(value)
+
+
+def are_names(value: Any) -> bool:
+    """Whether a value is a tuple of different texts, at least one."""
+    if not isinstance(value, tuple) or not all(isinstance(each, str) and each for each in value):
+        return False
+    return len(set(value)) == len(value) > 0
+
+
+def is_name(value: Any) -> bool:
+    """Whether a value can stand in an address and in a Gymnasium id."""
+    return isinstance(value, str) and re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]*", value) is not None
+
+
+SIZES = (
+    Rule("state_size", "an integer from 1 on", is_whole),
+    Rule("action_size", "an integer from 1 on", is_whole),
+)
+RULES = (
+    Rule("name", "a word of letters, digits, '_', '-' and '.'", is_name),
+    Rule("version", "an integer from 1 on", is_whole),
+    *SIZES,
+    Rule("horizon", "an integer from 1 on", is_whole),
+    Rule("max_reward", "a finite number", is_number),
+    Rule("reward_is_differentiable", "True or False", lambda value: isinstance(value, bool)),
+    Rule("angles", "a mapping of coordinates", lambda value: isinstance(value, Mapping)),
+    Rule("hidden", "a tuple of coordinates", lambda value: isinstance(value, tuple)),
+    Rule("bounds", "a mapping of coordinates", lambda value: isinstance(value, Mapping)),
+    Rule("regimes", "a tuple of different names, at least one", are_names),
+    Rule("step_kernel", "a function", callable),
+    Rule("differentiate_kernel", "a function", callable),
+)
+
+
+def sizes_are_wrong(task: "Environment") -> bool:
+    """Whether nothing can be said of the shapes of this task's arrays."""
+    return any(not rule.fits(getattr(task, rule.name, _MISSING)) for rule in SIZES)
+
+
+def declaration_mistakes(task: "Environment") -> list[str]:
+    """Every constant that is missing or impossible."""
+    found = {rule: getattr(task, rule.name, _MISSING) for rule in RULES}
+    wrong = {rule: value for rule, value in found.items() if not rule.fits(value)}
+    mistakes = [
+        f"{rule.name} is missing: it must be {rule.expected}"
+        if value is _MISSING
+        else f"{rule.name} must be {rule.expected}, not {value!r}"
+        for rule, value in wrong.items()
+    ]
+    if not {"state_size", "angles", "hidden", "bounds"} & {rule.name for rule in wrong}:
+        mistakes += coordinate_mistakes(task)
+    return mistakes
+
+
+def coordinate_mistakes(task: "Environment") -> Iterator[str]:
+    """What is wrong with the coordinates that `angles`, `hidden` and `bounds` name."""
+    n = task.state_size
+    for where in ("angles", "hidden", "bounds"):
+        for i in getattr(task, where):
+            if not is_whole(i, least=0) or i >= n:
+                yield f"{where} names coordinate {i!r}; a state has the coordinates 0 to {n - 1}"
+    for i, multiplicity in task.angles.items():
+        if not is_whole(multiplicity):
+            yield f"angles[{i!r}] must be an integer from 1 on, not {multiplicity!r}"
+    for i, bounds in task.bounds.items():
+        if not _is_interval(bounds):
+            yield f"bounds[{i!r}] must be (least, greatest), two numbers, not {bounds!r}"
+    for i in sorted(set(task.angles) & set(task.hidden), key=repr):
+        yield f"coordinate {i!r} is both an angle and hidden"
+    if set(range(n)) <= set(task.hidden):
+        yield "hidden names every coordinate: networks would see nothing"
+
+
+def _is_interval(bounds: Any) -> bool:
+    if not isinstance(bounds, tuple) or len(bounds) != 2:
+        return False
+    return all(isinstance(bound, Real) for bound in bounds) and bounds[0] < bounds[1]
