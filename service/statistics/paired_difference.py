@@ -19,6 +19,7 @@ from service.comparison import grouped, label_cells, scale
 from service.curves import Floats
 from service.run_curve import RunCurve
 from service.statistics.sample import Sample, sample
+from service.statistics.score import area
 from workers.random_return import RandomReturn
 
 BASELINES = {"hybrid-ddpg": "ddpg", "hybrid-ddpg-cosine": "ddpg", "hybrid-sac": "sac"}
@@ -66,11 +67,6 @@ def paired_differences(
     return found
 
 
-def area(x: Floats, y: Floats) -> float:
-    """Return the mean of y [k] along x [k], k >= 1."""
-    return float(np.trapezoid(y, x) / (x[-1] - x[0])) if len(x) > 1 else float(y[0])
-
-
 def _differences(runs: Sequence[RunCurve], baseline_runs: Sequence[RunCurve]) -> Floats:
     """Return the differences of area of the pairs of equal seed; NaN before both have measured."""
     by_seed = {run.spec.seed: run for run in baseline_runs}
@@ -89,5 +85,4 @@ def area_gained(x: Floats, y: Floats, x0: Floats, y0: Floats) -> float:
     ours, theirs = x <= end, x0 <= end
     if not (ours.any() and theirs.any()):
         return np.nan
-    with np.errstate(all="ignore"):
-        return area(x[ours], y[ours]) - area(x0[theirs], y0[theirs])
+    return area(x[ours], y[ours]) - area(x0[theirs], y0[theirs])

@@ -2,11 +2,10 @@
 
 import math
 
-import numpy as np
 import pytest
 
 from service.run_curve import RunCurve
-from service.statistics.paired_difference import PairedDifference, area, paired_differences
+from service.statistics.paired_difference import PairedDifference, paired_differences
 from tests.service.scored import run_curve
 from tests.service.training import random_return
 
@@ -15,11 +14,6 @@ ZERO = {("Pendulum", 1): random_return("Pendulum", -1000.0)}
 
 def differences(*runs: RunCurve) -> list[PairedDifference]:
     return paired_differences(runs, ZERO, lambda _: 0.0)
-
-
-def test_area_is_the_mean_along_the_run() -> None:
-    assert area(np.array([0.0, 1.0, 3.0]), np.array([0.0, 2.0, 2.0])) == pytest.approx(5 / 3)
-    assert area(np.array([800.0]), np.array([-3.0])) == -3.0
 
 
 def test_by_hand() -> None:
