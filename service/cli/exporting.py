@@ -17,7 +17,7 @@ from service.cli.terminal import AsJson, Identifier, SweepId, print_json, print_
 from service.client import Client, is_run
 from service.figures.figure_form import MEDIA_TYPES
 from service.schemas.run_answer import RunAnswer
-from service.schemas.score_table_answer import EntryAnswer, inert
+from service.schemas.score_table_answer import StandingAnswer, inert
 
 SPEC_COLUMNS = ("run", "algorithm", "environment", "w1", "w2", "seed")
 
@@ -115,7 +115,7 @@ def table(
     say(answer.definition.replace("Bold:", "Starred:"))
 
 
-def entry_text(entry: EntryAnswer | None, decimals: int) -> str:
+def entry_text(entry: StandingAnswer | None, decimals: int) -> str:
     """`0.731 ± 0.042 *`, the star for the best of its task; a dash where there is nothing."""
     if entry is None or entry.mean is None:
         return "-"

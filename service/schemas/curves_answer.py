@@ -25,13 +25,14 @@ class SeedAnswer(BaseModel):
 
 
 class CurveAnswer(BaseModel):
-    """Mean and band over the runs of one cell; null where a number is not defined."""
+    """Mean and band over the runs of one entry; null where a number is not defined."""
 
     algorithm: str
     weights: WeightsAnswer
     config: dict[str, Any]
-    label: str
+    label: str = Field(description="The name of the entry of the request that it is of.")
     runs: int
+    finished: int = Field(description="Runs that reached their end; all of them are in the curve.")
     x: list[float]
     mean: Numbers
     low: Numbers
@@ -86,6 +87,7 @@ class CurvesAnswer(BaseModel):
                                     "config": {},
                                     "label": "ddpg",
                                     "runs": 4,
+                                    "finished": 4,
                                     "x": [800, 1600],
                                     "mean": [0.012, 0.154],
                                     "low": [-0.021, 0.08],
@@ -142,6 +144,7 @@ def _curve(one: LabelledCurve, with_seeds: bool) -> Mapping[str, Any]:
         "config": dict(one.spec.config),
         "label": one.label,
         "runs": len(one.seeds),
+        "finished": one.finished,
         "x": as_whole(curve.x),
         "mean": numbers(curve.mean),
         "low": numbers(curve.low),

@@ -2,9 +2,8 @@
 import { algorithmColour, dashPattern } from "./palette.js";
 
 /**
- * The curves of a sweep over all of its panels, in the order in which they were submitted. The
- * service labels a curve by its algorithm and what tells it from its neighbours, so the label is
- * its identity; weights that only differ from task to task are the same curve.
+ * The curves of a sweep over all of its panels, in the order in which they were submitted. A curve is
+ * of an entry of the sweep's request, and the entry's label is its identity.
  *
  * @returns Map from label to { label, colour, dash, runs }; `runs` counts those of all panels
  */
@@ -13,10 +12,10 @@ export function identities(panels) {
   const variants = new Map();
   for (const { label, algorithm, runs } of panels.flatMap((panel) => panel.curves)) {
     if (!known.has(label)) {
-      const variant = variants.get(algorithm) ?? 0;
-      variants.set(algorithm, variant + 1);
-      const dash = dashPattern(variant);
-      known.set(label, { label, colour: algorithmColour(algorithm), dash, runs: 0 });
+      const colour = algorithmColour(algorithm);
+      const variant = variants.get(colour) ?? 0; // algorithms that others added may share one
+      variants.set(colour, variant + 1);
+      known.set(label, { label, colour, dash: dashPattern(variant), runs: 0 });
     }
     known.get(label).runs += runs;
   }

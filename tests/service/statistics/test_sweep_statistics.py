@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from service.run import RunStatus
 from service.statistics.sweep_statistics import sweep_statistics
 from tests.service.scored import cell
 
@@ -46,6 +47,20 @@ def test_seeds_pair_whatever_is_not_finite() -> None:
     assert improvement.same_seeds is not None
     assert improvement.same_seeds.value == 1.0  # seed 1 alone
     assert improvement.all_pairs.value == 0.5
+
+
+def test_cells_of_which_only_some_runs_count_are_named() -> None:
+    ended = RunStatus.SUCCEEDED
+    found = sweep_statistics(
+        [
+            cell("ddpg", "Pendulum", [0.1, 0.2]),
+            cell("sac", "Pendulum", [0.9, NAN], statuses=[ended, RunStatus.DIVERGED]),
+        ]
+    )
+    assert found.tasks == ("Pendulum",)
+    (incomplete,) = found.incomplete
+    assert (incomplete.label, incomplete.unfinished) == ("sac", {"diverged": 1})
+    assert [one.runs for one in found.labels] == [2, 1]
 
 
 def test_nothing_in_common_or_nothing_at_all() -> None:
