@@ -5,7 +5,6 @@ return of uniform random actions: 0 acts at random, 1 is out of reach or perfect
 not been measured the normalised values are not defined, and n is 0.
 """
 
-from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeVar
@@ -14,7 +13,7 @@ import numpy as np
 
 from service.curves import Band, Curve, Floats, Series, aggregate
 from service.entry import Entries, Entry
-from service.run import RunStatus
+from service.run import RunStatus, unfinished
 from service.run_curve import RunCurve
 from workers.random_return import RandomReturn
 from workers.run_spec import RunSpec
@@ -22,7 +21,6 @@ from workers.run_spec import RunSpec
 Item = TypeVar("Item")
 Key = TypeVar("Key")
 
-CUT_SHORT = (RunStatus.FAILED, RunStatus.DIVERGED, RunStatus.CANCELLED)
 Abscissa = Literal["timesteps", "updates", "jacobians", "seconds"]
 RETURNS = frozenset({"return_mean", "return_history"})
 
@@ -72,9 +70,9 @@ class LabelledCurve:
     seeds: tuple[Seed, ...]
 
     @property
-    def finished(self) -> int:
-        """How many of the runs reached their end."""
-        return sum(seed.status is RunStatus.SUCCEEDED for seed in self.seeds)
+    def unfinished(self) -> dict[str, int]:
+        """How many of the runs have not reached their end, by status."""
+        return unfinished(seed.status for seed in self.seeds)
 
 
 @dataclass(frozen=True)
@@ -147,8 +145,7 @@ def definition(comparisons: Sequence[Comparison]) -> str:
 def _cut_short(comparison: Comparison) -> str:
     """Say which runs ended before their end: beyond it, the mean is of the others alone."""
     seeds = (seed for panel in comparison.panels for one in panel.curves for seed in one.seeds)
-    counts = Counter(seed.status for seed in seeds)
-    short = {status: counts[status] for status in CUT_SHORT if counts[status]}
+    short = unfinished(seed.status for seed in seeds if seed.status.is_final)
     if not short:
         return ""
     told = ", ".join(f"{number} {status}" for status, number in short.items())

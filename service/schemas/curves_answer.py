@@ -32,7 +32,10 @@ class CurveAnswer(BaseModel):
     config: dict[str, Any]
     label: str = Field(description="The name of the entry of the request that it is of.")
     runs: int
-    finished: int = Field(description="Runs that reached their end; all of them are in the curve.")
+    unfinished: dict[str, int] = Field(
+        description="Runs that have not reached their end, by status; they count as far as they "
+        "were measured."
+    )
     x: list[float]
     mean: Numbers
     low: Numbers
@@ -87,7 +90,7 @@ class CurvesAnswer(BaseModel):
                                     "config": {},
                                     "label": "ddpg",
                                     "runs": 4,
-                                    "finished": 4,
+                                    "unfinished": {},
                                     "x": [800, 1600],
                                     "mean": [0.012, 0.154],
                                     "low": [-0.021, 0.08],
@@ -144,7 +147,7 @@ def _curve(one: LabelledCurve, with_seeds: bool) -> Mapping[str, Any]:
         "config": dict(one.spec.config),
         "label": one.label,
         "runs": len(one.seeds),
-        "finished": one.finished,
+        "unfinished": one.unfinished,
         "x": as_whole(curve.x),
         "mean": numbers(curve.mean),
         "low": numbers(curve.low),

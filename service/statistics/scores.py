@@ -7,7 +7,6 @@ score. What an incomplete one shows is the mean of those that did not fail, and 
 seldom the good ones: it may be shown, with how many it is of, but wins nothing.
 """
 
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -16,7 +15,7 @@ import numpy as np
 from service.comparison import grouped, scale
 from service.curves import Floats
 from service.entry import Entries
-from service.run import RunStatus
+from service.run import RunStatus, unfinished
 from service.run_curve import RunCurve
 from service.statistics.score import SCORES, Score
 from workers.random_return import RandomReturn
@@ -45,13 +44,8 @@ class CellScores:
 
     @property
     def unfinished(self) -> dict[str, int]:
-        """How many runs stand elsewhere than at their end, by status."""
-        counts = Counter(self.statuses)
-        return {
-            status.value: counts[status]
-            for status in RunStatus
-            if counts[status] and status is not RunStatus.SUCCEEDED
-        }
+        """How many runs have not reached their end, by status."""
+        return unfinished(self.statuses)
 
 
 def sweep_scores(

@@ -59,9 +59,14 @@ def test_standings_show_the_latest_known_point() -> None:
     assert standings(client, "") == [("Pendulum", "ddpg", "1,600", "0.250 ± 0.050", "4")]
 
 
+def test_standings_say_how_many_of_the_runs_got_there() -> None:
+    client: Any = FakeClient(x=[800], mean=[0.1], high=[0.2], n=[3], unfinished={"diverged": 1})
+    assert standings(client, "")[0][-1] == "3 of 4"
+
+
 def test_curves_without_points_are_said() -> None:
     client: Any = FakeClient(x=[], mean=[], high=[], n=[])
-    assert standings(client, "") == [("Pendulum", "ddpg", "-", "-", "0")]
+    assert standings(client, "") == [("Pendulum", "ddpg", "-", "-", "0 of 4")]
 
 
 def test_only_changes_are_passed_on() -> None:

@@ -236,7 +236,7 @@ def test_runs_that_failed_do_not_count(client: TestClient, store: Store) -> None
     assert (sweep["status"], sweep["progress"]) == ("finished", 0.2)
     curves = client.get(links["curves"]).json()
     assert "(6 failed) count as far as they were measured" in curves["definition"]
-    assert [panel["curves"][0]["finished"] for panel in curves["panels"]] == [0, 0]
+    assert [panel["curves"][0]["unfinished"] for panel in curves["panels"]] == [{"failed": 3}] * 2
 
 
 def test_a_seed_that_diverged_is_missed_and_said(client: TestClient, store: Store) -> None:
