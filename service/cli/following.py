@@ -75,7 +75,9 @@ def _follow_live(client: Client, sweep: SweepAnswer, console: Console) -> SweepA
             progress.update(
                 bar, completed=sweep.progress, eta=eta_text(sweep), counts=counts_text(sweep)
             )
-            live.update(Group(progress, table_of(HEADINGS, standings(client, sweep.id))))
+            live.update(
+                Group(progress, table_of(HEADINGS, standings(client, sweep.id), console.width))
+            )
 
         return client.wait(sweep.id, progressed=progressed)
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from service.comparison import NORMALISED_TEXT
 from service.statistics.sample import Sample, sample
 from service.statistics.score import SCORES, Score
-from service.statistics.scores import CellScores
+from service.statistics.scores import CellScores, labels_of
 from workers.run_spec import RunSpec
 
 
@@ -39,7 +39,7 @@ class Row:
 
 @dataclass(frozen=True)
 class ScoreTable:
-    """Rows and columns in the order of the sweep's runs."""
+    """Rows in the order of the request, columns in that of the sweep's runs."""
 
     score: Score
     normalized: bool
@@ -98,11 +98,10 @@ def score_table(scores: Sequence[CellScores], score: Score, *, normalized: bool)
         )
         for cell, summary in samples
     }
-    labels = dict.fromkeys(cell.label for cell in scores)
     environments = tuple(dict.fromkeys(cell.spec.environment for cell in scores))
     rows = [
         Row(label, tuple(standings.get((label, environment)) for environment in environments))
-        for label in labels
+        for label in labels_of(scores)
     ]
     return ScoreTable(score, normalized, environments, tuple(rows))
 

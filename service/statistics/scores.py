@@ -26,6 +26,7 @@ from workers.run_spec import RunSpec
 class CellScores:
     """The scores of the runs of one entry in one environment.
 
+    place     of the entry in its request
     seeds     of its runs, ascending
     values    [runs] in the order of `seeds`
     statuses  of the runs, in that order
@@ -33,6 +34,7 @@ class CellScores:
 
     spec: RunSpec
     label: str
+    place: int
     seeds: tuple[int, ...]
     values: Floats
     statuses: tuple[RunStatus, ...]
@@ -62,6 +64,7 @@ def sweep_scores(
     The curves are those of the score's own metric over timesteps.
     """
     cells = grouped(run_curves, lambda run: (run.spec.environment, entries.label(run.run_id)))
+    places = {entry.label: place for place, entry in enumerate(entries.all)}
     scores = []
     for (environment, label), runs in cells.items():
         start, unit = 0.0, 1.0
@@ -75,12 +78,18 @@ def sweep_scores(
             CellScores(
                 spec=ascending[0].spec,
                 label=label,
+                place=places[label],
                 seeds=tuple(run.spec.seed for run in ascending),
                 values=values,
                 statuses=tuple(run.status for run in ascending),
             )
         )
     return scores
+
+
+def labels_of(cells: Sequence[CellScores]) -> list[str]:
+    """Return the names of the cells' entries, each once, in the order of the request."""
+    return list(dict.fromkeys(cell.label for cell in sorted(cells, key=lambda cell: cell.place)))
 
 
 def _score(run: RunCurve, score: Score) -> float:

@@ -21,7 +21,7 @@ from service.statistics.score_statistics import (
     performance_profile,
     probability_of_improvement,
 )
-from service.statistics.scores import CellScores
+from service.statistics.scores import CellScores, labels_of
 from service.statistics.stratified_bootstrap import Estimate
 
 THRESHOLDS = 101
@@ -81,9 +81,11 @@ class _Scored:
 def sweep_statistics(cells: Sequence[CellScores]) -> SweepStatistics:
     """Return the statistics of a sweep's scores."""
     by_label = grouped([cell for cell in cells if _finite(cell).any()], lambda cell: cell.label)
-    unscored = [label for label in grouped(cells, lambda c: c.label) if label not in by_label]
+    unscored = [label for label in labels_of(cells) if label not in by_label]
     covered = {
-        label: {cell.spec.environment: cell for cell in own} for label, own in by_label.items()
+        label: {cell.spec.environment: cell for cell in by_label[label]}
+        for label in labels_of(cells)
+        if label in by_label
     }
     lacking = {
         task: [label for label, own in covered.items() if task not in own]

@@ -34,11 +34,13 @@ def cell(
     values: Sequence[float],
     seeds: Sequence[int] | None = None,
     statuses: Sequence[RunStatus] = (),
+    place: int = 0,
 ) -> CellScores:
     """A cell whose runs succeeded, unless statuses say else; its algorithm goes by the label."""
     return CellScores(
         spec=RunSpec(label, environment, 0),
         label=label,
+        place=place,
         seeds=tuple(range(len(values)) if seeds is None else seeds),
         values=np.array(values, np.float64),
         statuses=tuple(statuses) or (RunStatus.SUCCEEDED,) * len(values),

@@ -80,9 +80,7 @@ def test_what_is_to_be_known_is_said_before_it_is_sent(signed_in: Page, live: Li
         "environments": ["Pendulum"],
     }
     signed_in.goto(f"{live.url}/?new={quote(json.dumps(draft))}")
-    notices = signed_in.get_by_role("list", name="To be known").or_(
-        signed_in.locator("#submission-notices")
-    )
+    notices = signed_in.locator("#submission-notices")
     expect(notices).to_contain_text(
         "algorithms[1] (hybrid-ddpg) has the weights (0, 0) in Pendulum"
     )

@@ -342,7 +342,7 @@ def test_the_score_is_chosen_and_said(opened: Page, live: LiveService) -> None:
     opened.get_by_text("Statistics: interquartile means").click()
     statistics = opened.locator("#statistics-state")
     expect(statistics).to_contain_text("last tenth of the run's timesteps")
-    opened.get_by_label("Score", exact=True).select_option("return_history")
+    opened.get_by_role("combobox", name="Score").select_option("return_history")
     expect(definition).to_contain_text("mean of the latest 100 return_mean")
     expect(statistics).to_contain_text("mean of the latest 100 return_mean")
     assert state(opened) == {"score": ["return_history"], "statistics": ["1"]}
