@@ -26,6 +26,7 @@ from service.environment import best_return
 from service.figures.figure_form import Form
 from service.paper.differences import Gain, MeasuredRun, gains
 from service.paper.evaluation import FIGURES
+from service.run import RunStatus
 from service.schemas.run_answer import RunAnswer
 from service.schemas.sweep_answer import SweepAnswer
 
@@ -66,7 +67,8 @@ def write(client: Client, sweeps: Sequence[SweepAnswer], folder: Path) -> list[s
             _write_table(client, sweep, folder)
         if FIGURES[sweep.name] != ("2",):
             statistics[sweep.name] = client.statistics(sweep.id).model_dump(mode="json")
-            measured_runs = [_as_arrays(run, rows[run.id]) for run in runs]
+            ended = (run for run in runs if run.status is RunStatus.SUCCEEDED)
+            measured_runs = [_as_arrays(run, rows[run.id]) for run in ended]
             gained += gains(measured_runs, units(client, sweep.id))
     provenance = {"versions": versions(), "machine": machine(), "sweeps": evidence}
     _write_json(folder / "provenance.json", provenance)
@@ -141,7 +143,7 @@ def _write_figures(client: Client, sweep: SweepAnswer, folder: Path) -> Iterator
 
 def _write_table(client: Client, sweep: SweepAnswer, folder: Path) -> None:
     for form, file in TABLES.items():
-        text = client.table_text(sweep.id, form, normalized=True)
+        text = client.table_text(sweep.id, form, score="return_history", normalized=True)
         (folder / file).write_text(text, encoding="utf-8", newline="")
 
 

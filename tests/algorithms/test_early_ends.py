@@ -82,7 +82,7 @@ def test_a_sum_that_is_not_finite_is_seen_where_sums_may_be_reordered(
     parts: list[float], first: int
 ) -> None:
     with np.errstate(over="ignore"):
-        expected = first, bool(np.isfinite(np.sum(np.float64(parts))))
+        expected = first, bool(np.isfinite(np.array(parts, np.float64).sum()))
     assert sums(np.array(parts, np.float64)) == expected
 
 
@@ -115,7 +115,7 @@ def test_a_weight_beyond_all_measure_ends_each_run_at_its_first_update() -> None
 
 
 def test_whoever_is_left_goes_on_to_the_bits_it_has_alone() -> None:
-    wild = {"rate": 1.0, "reward_scale": 1e6, "gamma": 1.0, "tau": 1.0}
+    wild: dict[str, Any] = {"rate": 1.0, "reward_scale": 1e6, "gamma": 1.0, "tau": 1.0}
     task, seeds = OtherRewards("Pendulum", lambda s, r: r), range(6)
     together = events(build("sac", task, seeds, timesteps=2_400, **wild))
     for seed in seeds:

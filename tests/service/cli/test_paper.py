@@ -57,10 +57,10 @@ def test_an_evaluation_is_taken_up_and_written(
     monkeypatch.setattr(evaluation, "SOFT", soft)
     store.record_random_return(random_return("Pendulum", RANDOM))
     begun = d3pg("paper", "write", *QUICK, "-o", str(tmp_path)).stdout
-    assert f"Wrote {tmp_path}/: 0 of 18 runs have ended." in begun.replace("\n", "")
+    assert f"Wrote {tmp_path}/: 0 of 18 runs reached their end." in begun.replace("\n", "")
     with workers(store):
         ended = d3pg("paper", *QUICK, "-o", str(tmp_path)).stdout
-    assert "18 of 18 runs have ended." in ended
+    assert "18 of 18 runs reached their end." in ended
     assert "figure 3 is not there yet" in " ".join(ended.split()), "there are no runs for it"
     assert len(list(service.sweeps())) == 3
 
