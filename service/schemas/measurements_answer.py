@@ -31,7 +31,11 @@ class NonfiniteAnswer(BaseModel):
 
 
 class MeasurementsAnswer(BaseModel):
-    """The table. Diagnostics that a measurement lacks are null too."""
+    """The table. Diagnostics that a measurement lacks are null too.
+
+    `seconds` is processor time of training so far, acting and learning alone; `compile_seconds` that
+    of compiling and loading kernels, null where an earlier version measured.
+    """
 
     model_config = ConfigDict(
         json_schema_extra={
