@@ -30,6 +30,7 @@ from service.figures.figure_form import Form
 from service.paper.differences import Gain, MeasuredRun, gains
 from service.paper.evaluation import FIGURES
 from service.paper.score_files import Row, write_random_returns, write_scores
+from service.run import RunStatus
 from service.schemas.curves_answer import RandomReturnAnswer
 from service.schemas.run_answer import RunAnswer
 from service.schemas.sweep_answer import SweepAnswer
@@ -98,12 +99,13 @@ def write(client: Client, sweeps: Sequence[SweepAnswer], folder: Path) -> list[s
 
 
 def gained(swept: Swept) -> Iterator[Gain]:
-    """Yield what a sweep's hybrids gain, by the measurements as they are kept."""
+    """Yield what a sweep's hybrids gain, of runs at their end, by the measurements as kept."""
     units = {
         environment: best_return(environment) - (zero.mean if zero else np.nan)
         for environment, zero in swept.zeros.items()
     }
-    return gains([_as_arrays(run, swept.rows[run.id]) for run in swept.runs], units)
+    ended = (run for run in swept.runs if run.status is RunStatus.SUCCEEDED)
+    return gains([_as_arrays(run, swept.rows[run.id]) for run in ended], units)
 
 
 def _write_statistics(client: Client, sweeps: Iterable[SweepAnswer], folder: Path) -> None:

@@ -177,10 +177,11 @@ def test_gains_follow_from_the_measurements(line: Mapping[str, str]) -> None:
 # Statistics
 
 
-def matrix(tasks: Sequence[str], label: str) -> Floats:
+def matrix(statistics: Mapping[str, Any], label: str) -> Floats:
     """The scores of a label, which is an algorithm here: [runs, tasks]."""
-    cells = [published.cell(task, label) for task in tasks]
-    return np.stack([published.scores(cell, "return_history") for cell in cells], axis=1)
+    score = statistics.get("score", "return_history")  # the only one, when nothing said which
+    cells = [published.cell(task, label) for task in statistics["tasks"]]
+    return np.stack([published.scores(cell, score) for cell in cells], axis=1)
 
 
 def resamples(scores: Floats) -> Iterator[Floats]:
@@ -218,7 +219,7 @@ def test_common_tasks_are_those_that_all_ran_in(statistics: Mapping[str, Any]) -
 
 def test_interquartile_means_follow_from_the_scores(statistics: Mapping[str, Any]) -> None:
     for entry in statistics["interquartile_mean"]["values"]:
-        scores = matrix(statistics["tasks"], entry["label"])
+        scores = matrix(statistics, entry["label"])
         assert entry["n"] == scores.size
         assert entry["value"] == pytest.approx(rliable.aggregate_iqm(scores), abs=1e-12)
         low, high = resampled_interval(scores, rliable.aggregate_iqm)
@@ -231,7 +232,7 @@ def test_probabilities_of_improvement_follow_from_the_scores(
     pairs = statistics["probability_of_improvement"]["pairs"]
     assert [(pair["x"], pair["y"]) for pair in pairs] == list(combinations(labels(statistics), 2))
     for pair in pairs:
-        x, y = (matrix(statistics["tasks"], pair[name]) for name in "xy")
+        x, y = (matrix(statistics, pair[name]) for name in "xy")
         wins = np.array(
             [(a[:, None] > b) + 0.5 * (a[:, None] == b) for a, b in zip(x.T, y.T, strict=True)]
         )
@@ -253,7 +254,7 @@ def drawn_wins(wins: Floats, task: int) -> Floats:
 
 def test_performance_profiles_follow_from_the_scores(statistics: Mapping[str, Any]) -> None:
     found = statistics["performance_profiles"]
-    scores = {label: matrix(statistics["tasks"], label) for label in labels(statistics)}
+    scores = {label: matrix(statistics, label) for label in labels(statistics)}
     values = np.concatenate([each.ravel() for each in scores.values()])
     lowest = max(min(values.min(), 0.0), -1.0)
     thresholds = np.linspace(lowest, max(values.max(), 1.0), len(found["thresholds"]))
