@@ -50,6 +50,7 @@ from algorithms.rollout import Experience, Rollout
 from algorithms.scaling import Coordinates, Statistics, coordinates_of
 from algorithms.snapshot import Critic, Snapshot
 from algorithms.state import State, part, within
+from algorithms.stopwatch import Cost, Stopwatch
 from algorithms.value_scale import move_value_scale, rescale_moments, rewrite_fit
 from physics.environment import Environment
 from physics.randomness import generator
@@ -266,15 +267,17 @@ def cohort(
 ) -> OffPolicyLearner:
     """A cohort of runs whose critics match gradients as given."""
     coordinates = coordinates_of(environment)
-    agents = [
-        DDPGAgent(environment, coordinates, seed, matching, timesteps, config) for seed in seeds
-    ]
-    rollout = Rollout(
-        environment, coordinates, seeds,
-        linearized=is_matched(matching),
-        time_limit_is_terminal=config.time_limit_is_terminal,
-    )  # fmt: skip
+    stopwatch = Stopwatch({seed: Cost() for seed in seeds})
+    with stopwatch.aside():
+        agents = [
+            DDPGAgent(environment, coordinates, seed, matching, timesteps, config) for seed in seeds
+        ]
+        rollout = Rollout(
+            environment, coordinates, seeds,
+            linearized=is_matched(matching),
+            time_limit_is_terminal=config.time_limit_is_terminal,
+        )  # fmt: skip
     return OffPolicyLearner(
         environment, agents, rollout, agents[0]._shapes[0],
-        timesteps=timesteps, rollout_steps=config.rollout_steps,
+        stopwatch=stopwatch, timesteps=timesteps, rollout_steps=config.rollout_steps,
     )  # fmt: skip

@@ -19,7 +19,6 @@ left to autograd through `physics.torch_step`: the same derivatives, and the tes
 the other. What the paper leaves open: the step size, the number of episodes, the clipping.
 """
 
-import time
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 
@@ -35,6 +34,7 @@ from algorithms.rollout import start_states
 from algorithms.scaling import coordinates_of
 from algorithms.snapshot import Snapshot
 from algorithms.state import Saved, State
+from algorithms.stopwatch import Stopwatch
 from algorithms.threads import one_thread
 from physics.environment import Environment
 
@@ -56,6 +56,7 @@ class GDLearner:
         coordinates = coordinates_of(environment)
         self._runs = [GDRun(environment, coordinates, seed, timesteps, config) for seed in seeds]
         self._by_seed = dict(zip(seeds, self._runs, strict=True))  # those that ended stay here
+        self._stopwatch = Stopwatch({run.history.seed: run.history.cost for run in self._runs})
         self.timestep = 0
 
     @property
@@ -75,25 +76,24 @@ class GDLearner:
 
     def advance(self) -> list[Measurement | EarlyEnd]:
         """Do one update of every run."""
-        start, runs = time.perf_counter(), self._runs
         with one_thread():
-            lived = self._live()
+            with self._stopwatch.training(self.seeds):
+                lived = self._live()
             ends = self._each(lambda run: run.count(lived[run.history.seed]()))
             measured = self._measure(ends)
-            ends += self._each(lambda run: run.learn(lived[run.history.seed]()))
-        share = (time.perf_counter() - start) / len(runs)
-        for run in runs:
-            run.history.seconds += share
+            ends += self._learn(lived)
         if self._runs:
             self._count()
         self._runs = [
             run for run in self._runs if run.timestep < self._timesteps and not run.is_on_plateau
         ]
+        self._stopwatch.keep(self.seeds)
         return [*measured, *ends]
 
     def drop(self, seeds: Collection[int]) -> None:
         """Stop training these seeds."""
         self._runs = [run for run in self._runs if run.history.seed not in seeds]
+        self._stopwatch.keep(self.seeds)
 
     def state(self, seed: int) -> State:
         """All that the run's next bits depend on."""
@@ -145,6 +145,15 @@ class GDLearner:
 
         return {seed: partial(episodes_of, k) for k, seed in enumerate(self.seeds)}
 
+    def _learn(self, lived: Mapping[int, Callable[[], LinearizedEpisodes]]) -> list[EarlyEnd]:
+        """Let every run learn from the episodes it lived."""
+
+        def learn(run: GDRun) -> None:
+            with self._stopwatch.training([run.history.seed]):
+                run.learn(lived[run.history.seed]())
+
+        return self._each(learn)
+
     def _measure(self, ends: list[EarlyEnd]) -> list[Measurement]:
         """The measurements that came due during the episodes, of the actors that lived them.
 
@@ -157,11 +166,11 @@ class GDLearner:
         ]
         if not due:
             return []
-        policies = Policies([run.policy() for run, _ in due], self._shape)
-        starts, unborn = start_states(
-            self._environment, [(run.history.seed, "evaluation", number) for run, number in due]
-        )
-        returns, failures = episode_returns(self._environment, policies, starts)
+        purposes = [(run.history.seed, "evaluation", number) for run, number in due]
+        with self._stopwatch.aside():
+            policies = Policies([run.policy() for run, _ in due], self._shape)
+            starts, unborn = start_states(self._environment, purposes)
+            returns, failures = episode_returns(self._environment, policies, starts)
         errors = failures | unborn
         earned: dict[int, list[float | Exception]] = {seed: [] for seed in self.seeds}
         for row, (run, _) in enumerate(due):

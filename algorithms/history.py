@@ -11,6 +11,7 @@ import numpy as np
 
 from algorithms.measurement import HISTORY, MEASURE_EVERY, Measurement
 from algorithms.state import State
+from algorithms.stopwatch import Cost
 
 
 class History:
@@ -20,7 +21,7 @@ class History:
         seed: the run's.
         count: measurements so far.
         returns: the latest `HISTORY` returns recorded, oldest first.
-        seconds: the run's share of its cohort's time.
+        cost: what it has cost.
     """
 
     def __init__(self, seed: int, timesteps: int) -> None:
@@ -29,7 +30,7 @@ class History:
         self._timesteps = timesteps
         self.count = 0
         self.returns = deque[float](maxlen=HISTORY)
-        self.seconds = 0.0
+        self.cost = Cost()
 
     @property
     def is_complete(self) -> bool:
@@ -47,14 +48,14 @@ class History:
         return {
             "count": np.array(self.count),
             "returns": np.array(self.returns, np.float64),
-            "seconds": np.array(self.seconds),
+            **self.cost.state(),
         }
 
     def restore(self, state: State) -> None:
         """Take up what `state` gave."""
         self.count = int(state["count"])
         self.returns = deque(state["returns"].tolist(), HISTORY)
-        self.seconds = float(state["seconds"])
+        self.cost.restore(state)
 
     def record(self, return_mean: float) -> None:
         """Take in what the run earns as it stands."""
@@ -72,6 +73,7 @@ class History:
             return_history=float(np.mean(self.returns)),
             updates=updates,
             jacobians=jacobians,
-            seconds=self.seconds,
+            seconds=self.cost.seconds,
+            compile_seconds=self.cost.compile_seconds,
             diagnostics=diagnostics,
         )

@@ -1,5 +1,6 @@
 """Measurement: what a learner reports of a run."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -20,9 +21,13 @@ class Measurement:
         return_history: mean of the latest 100 `return_mean`, of all while there are fewer.
         updates: updates done so far.
         jacobians: Jacobians of transitions worked out so far, those for diagnostics included.
-        seconds: wall time so far. Runs trained together share the time: each counts the cohort's
-            time divided by the runs then in it.
+        seconds: processor time of training so far: acting and learning. Evaluation, diagnostics
+            and checkpoints are not in it, nor is waiting. What runs trained together do together
+            is shared evenly; the rest is each one's own.
         diagnostics: further numbers by name; NaN where a number does not exist.
+        compile_seconds: processor time so far of compiling kernels and of loading them from the
+            cache, shared evenly by the runs trained together. None of it is in `seconds`. NaN where
+            an earlier version measured: its `seconds` are wall time, compiling and all included.
     """
 
     seed: int
@@ -33,3 +38,4 @@ class Measurement:
     jacobians: int
     seconds: float
     diagnostics: Mapping[str, float]
+    compile_seconds: float = math.nan

@@ -29,7 +29,6 @@ until a plan has converged; regularisation goes on from action to action, as the
 """
 
 import math
-import time
 from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
@@ -47,6 +46,7 @@ from algorithms.network import Shape
 from algorithms.policy import Policies, deterministic
 from algorithms.rollout import start_states
 from algorithms.state import Saved, State, part, within
+from algorithms.stopwatch import Stopwatch
 from algorithms.threads import one_thread
 from physics.environment import Environment
 from physics.randomness import generator
@@ -68,12 +68,13 @@ class MPCLearner:
         self._environment = environment
         self._timesteps = timesteps
         self._config = config
-        with one_thread():
+        self._histories = [History(seed, timesteps) for seed in seeds]
+        self._stopwatch = Stopwatch({history.seed: history.cost for history in self._histories})
+        with one_thread(), self._stopwatch.training(seeds):
             episodes, failures = first_plans(environment, seeds, config.hidden_units)
         self._planner = Planner(environment, episodes)
         self._planner.failures |= failures
         self._planner.simulated[:] = episodes.ends
-        self._histories = [History(seed, timesteps) for seed in seeds]
         self._times = np.zeros(len(seeds), np.int64)
         self._iterations = np.zeros(len(seeds), np.int64)
         self.timestep = 0
@@ -111,22 +112,15 @@ class MPCLearner:
 
     def _advance(self) -> list[Measurement]:
         """Do it for the runs that are left."""
-        start, runs = time.perf_counter(), len(self._histories)
         now = int(self._times.min())
         stop = min(now + self._config.horizon, self._environment.horizon)
         here = self._times == now
         unfinished = here & self._planner.is_active & (self._iterations < self._config.iterations)
         with one_thread():
             if unfinished.any():
-                self._planner.iterate(now, stop, np.flatnonzero(unfinished))
-                self._iterations[unfinished] += 1
-                events = self._measure()
-            else:
-                events = self._act(stop, np.flatnonzero(here))
-        share = (time.perf_counter() - start) / runs
-        for history in self._histories:
-            history.seconds += share
-        return events
+                self._iterate(now, stop, np.flatnonzero(unfinished))
+                return self._measure()
+            return self._act(stop, np.flatnonzero(here))
 
     def drop(self, seeds: Collection[int]) -> None:
         """Stop these runs."""
@@ -158,10 +152,17 @@ class MPCLearner:
         """None: a plan is no policy."""
         del seed
 
+    def _iterate(self, now: int, stop: int, plans: Integers) -> None:
+        """Improve these plans for steps `now` to `stop` - 1."""
+        with self._stopwatch.training([self.seeds[p] for p in plans]):
+            self._planner.iterate(now, stop, plans)
+        self._iterations[plans] += 1
+
     def _act(self, stop: int, plans: Integers) -> list[Measurement]:
         """Do the next action of these plans, which end before `stop`, and move them on."""
         episodes = self._planner.episodes
-        self._planner.failures |= replay(self._environment, episodes, stop)
+        with self._stopwatch.aside():
+            self._planner.failures |= replay(self._environment, episodes, stop)
         self._planner.simulated[plans] += episodes.ends[plans] > stop  # the step that one takes in
         measured = self._measure()
         self._times[plans] += 1
@@ -173,7 +174,8 @@ class MPCLearner:
     def _predict(self, plans: Integers) -> None:
         """Record what these episodes will earn, as things stand."""
         for p in plans:
-            value = window_return(self._planner.episodes, p, 0, self._environment.horizon)
+            with self._stopwatch.aside():
+                value = window_return(self._planner.episodes, p, 0, self._environment.horizon)
             if not math.isfinite(value):
                 self._planner.failures.setdefault(int(p), NotFiniteQuantityError("return"))
             self._histories[p].record(value)
@@ -237,6 +239,7 @@ class MPCLearner:
         self._planner.keep(rows)
         self._histories = [self._histories[row] for row in rows]
         self._times, self._iterations = self._times[rows], self._iterations[rows]
+        self._stopwatch.keep(self.seeds)
 
 
 def first_plans(

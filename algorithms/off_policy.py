@@ -6,7 +6,6 @@ raises in one run ends it alone.
 """
 
 import math
-import time
 from collections import deque
 from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Protocol
@@ -23,6 +22,7 @@ from algorithms.replay import Replay
 from algorithms.rollout import Experience, Rollout, start_states
 from algorithms.snapshot import Snapshot
 from algorithms.state import Saved, State, part, within
+from algorithms.stopwatch import Stopwatch
 from algorithms.threads import one_thread
 from physics.environment import Environment
 
@@ -73,6 +73,7 @@ class OffPolicyLearner:
         rollout: Rollout,
         actor_shape: Shape,
         *,
+        stopwatch: Stopwatch,
         timesteps: int,
         rollout_steps: int,
     ) -> None:
@@ -85,7 +86,7 @@ class OffPolicyLearner:
         self._timesteps = timesteps
         self._rollout_steps = rollout_steps
         self._histories = {agent.seed: deque[float](maxlen=HISTORY) for agent in agents}
-        self._seconds = {agent.seed: 0.0 for agent in agents}
+        self._stopwatch = stopwatch
         self.timestep = 0
 
     @property
@@ -105,15 +106,12 @@ class OffPolicyLearner:
 
     def advance(self) -> list[Measurement | EarlyEnd]:
         """Run one cycle."""
-        start, runs = time.perf_counter(), len(self._agents)
         with one_thread():
             ends = self._act()
-            ends += self._each(lambda agent: agent.learn())
+            ends += self._train(lambda agent: agent.learn())
             is_due = self.timestep % MEASURE_EVERY == 0 or self.timestep == self._timesteps
-            measured = self._measure(ends) if is_due else []
-        share = (time.perf_counter() - start) / runs
-        for seed in self.seeds:
-            self._seconds[seed] += share
+            with self._stopwatch.aside():
+                measured = self._measure(ends) if is_due else []
         return [*ends, *(self._measurement(*each) for each in measured)]
 
     def drop(self, seeds: Collection[int]) -> None:
@@ -122,14 +120,15 @@ class OffPolicyLearner:
         self._agents = [self._agents[row] for row in rows]
         self._rollout.keep(rows)
         self._exploring.keep(rows)
+        self._stopwatch.keep(self.seeds)
 
     def state(self, seed: int) -> State:
         """All that the run's next bits depend on but its journal."""
         k = self.seeds.index(seed)
         own = {
             "timestep": np.array(self.timestep),
-            "seconds": np.array(self._seconds[seed]),
             "history": np.array(self._histories[seed], np.float64),
+            **self._stopwatch.costs[seed].state(),
         }
         agent, rollout = self._agents[k].state(), self._rollout.state(k)
         return own | within("agent", agent) | within("rollout", rollout)
@@ -143,11 +142,11 @@ class OffPolicyLearner:
         [self.timestep] = {int(saved[seed].state["timestep"]) for seed in self.seeds}
         for k, agent in enumerate(self._agents):
             state, journal = saved[agent.seed]
-            self._seconds[agent.seed] = float(state["seconds"])
+            self._stopwatch.costs[agent.seed].restore(state)
             self._histories[agent.seed].extend(state["history"].tolist())
             self._rollout.restore(k, part(state, "rollout"))
             agent.restore(part(state, "agent"))
-            with one_thread():
+            with one_thread(), self._stopwatch.aside():
                 agent.replay.refill(self.timestep, journal, self._rollout.work_out)
 
     def snapshot(self, seed: int) -> Snapshot:
@@ -158,15 +157,25 @@ class OffPolicyLearner:
         """Take a cycle's steps, cut where a measurement is due."""
         due = MEASURE_EVERY - self.timestep % MEASURE_EVERY
         steps = min(self._rollout_steps, due, self._timesteps - self.timestep)
-        for k in range(len(self._agents)):
-            self._explore_anew(k)
-        experiences = self._rollout.collect(steps, self._exploring, self._explore_anew)
+        with self._stopwatch.training(self.seeds):
+            for k in range(len(self._agents)):
+                self._explore_anew(k)
+            experiences = self._rollout.collect(steps, self._exploring, self._explore_anew)
         self.timestep += steps
         lived = dict(zip(self.seeds, experiences, strict=True))
-        return self._each(lambda agent: agent.remember(found(lived[agent.seed])))
+        return self._train(lambda agent: agent.remember(found(lived[agent.seed])))
 
     def _explore_anew(self, k: int) -> None:
         self._exploring.set(k, self._agents[k].exploring_policy())
+
+    def _train(self, call: Callable[[Agent], None]) -> list[EarlyEnd]:
+        """Call for every agent, as its training."""
+
+        def timed(agent: Agent) -> None:
+            with self._stopwatch.training([agent.seed]):
+                call(agent)
+
+        return self._each(timed)
 
     def _each(self, call: Callable[[Agent], None]) -> list[EarlyEnd]:
         """Call for every agent; those for which it raises leave."""
@@ -207,7 +216,7 @@ class OffPolicyLearner:
     def _measurement(
         self, agent: Agent, return_mean: float, diagnostics: dict[str, float]
     ) -> Measurement:
-        history = self._histories[agent.seed]
+        history, cost = self._histories[agent.seed], self._stopwatch.costs[agent.seed]
         history.append(return_mean)
         return Measurement(
             seed=agent.seed,
@@ -216,6 +225,7 @@ class OffPolicyLearner:
             return_history=float(np.mean(history)),
             updates=agent.updates,
             jacobians=agent.jacobians,
-            seconds=self._seconds[agent.seed],
+            seconds=cost.seconds,
+            compile_seconds=cost.compile_seconds,
             diagnostics=diagnostics,
         )

@@ -55,6 +55,7 @@ from algorithms.sac_update import (
 from algorithms.scaling import Coordinates, Statistics, coordinates_of
 from algorithms.snapshot import Critic, Snapshot
 from algorithms.state import State, part, within
+from algorithms.stopwatch import Cost, Stopwatch
 from algorithms.value_scale import move_value_scale, rewrite_fit
 from physics.environment import Environment
 from physics.randomness import generator
@@ -264,14 +265,16 @@ def build(
     """A cohort of SAC runs; with weights other than 0, of its hybrid."""
     coordinates = coordinates_of(environment)
     matching = matching_of(weights, by_cosine=False)
-    agents = [
-        SACAgent(environment, coordinates, seed, matching, timesteps, config) for seed in seeds
-    ]
-    rollout = Rollout(
-        environment, coordinates, seeds,
-        linearized=is_matched(matching), time_limit_is_terminal=False,
-    )  # fmt: skip
+    stopwatch = Stopwatch({seed: Cost() for seed in seeds})
+    with stopwatch.aside():
+        agents = [
+            SACAgent(environment, coordinates, seed, matching, timesteps, config) for seed in seeds
+        ]
+        rollout = Rollout(
+            environment, coordinates, seeds,
+            linearized=is_matched(matching), time_limit_is_terminal=False,
+        )  # fmt: skip
     return OffPolicyLearner(
         environment, agents, rollout, agents[0]._shapes.policy,
-        timesteps=timesteps, rollout_steps=config.rollout_steps,
+        stopwatch=stopwatch, timesteps=timesteps, rollout_steps=config.rollout_steps,
     )  # fmt: skip

@@ -29,10 +29,20 @@ BAND_TEXT: Mapping[Band, str] = {
     "ci95": "a 95 % confidence interval of the mean (Student's t)",
     "iqr": "the interquartile range (25 % to 75 %)",
 }
+SECONDS_TEXT = (
+    "Seconds are processor time of acting and learning: waiting, compiling or loading kernels and "
+    "evaluation are not in them."
+)
 NORMALISED_TEXT = (
     "Normalised: 0 is the mean return of uniform random actions, "
     "1 is the task's largest reward at every step."
 )
+ABSCISSA_TEXT: Mapping[Abscissa, str] = {
+    "timesteps": "timesteps",
+    "updates": "updates",
+    "jacobians": "jacobians",
+    "seconds": "processor seconds of training",
+}
 METRIC_TEXT = {
     "return_mean": "return_mean (undiscounted return of one evaluation episode)",
     "return_history": "return_history (mean of the latest 100 return_mean)",
@@ -134,6 +144,8 @@ def definition(comparisons: Sequence[Comparison]) -> str:
         sentences.append("Raw returns.")
     sentences.append("n counts the runs with a finite value there; no smoothing.")
     sentences.extend(filter(None, [_cut_short(comparisons[0])]))
+    if view.x == "seconds":
+        sentences.append(SECONDS_TEXT)
     if any(each.is_interpolated for each in comparisons):
         sentences.append(
             f"Runs were measured at different {view.x}: each is interpolated linearly between "

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import EngFormatter
 
-from service.comparison import Comparison, LabelledCurve, Panel, definition
+from service.comparison import ABSCISSA_TEXT, Comparison, LabelledCurve, Panel, definition
 from service.figures.figure_form import Form
 from service.figures.palette import colour, dash
 from service.figures.picture import picture, printable
@@ -61,7 +61,7 @@ def _figure(title: str, rows: Sequence[Comparison]) -> Figure:
     for ax, panel in zip(axes[0], rows[0].panels, strict=False):
         ax.set_title(printable(panel.environment))
     for ax in axes[-1]:
-        ax.set_xlabel(rows[0].view.x)
+        ax.set_xlabel(ABSCISSA_TEXT[rows[0].view.x])
         ax.xaxis.set_major_formatter(EngFormatter(sep=""))  # 20k
     figure.legend(
         title=printable(title),

@@ -35,7 +35,10 @@ class BandQuery(BaseModel):
         default=None, description="0 acts at random, 1 is the best. Left out: true for returns."
     )
     band: Band = "std"
-    x: Abscissa = "timesteps"
+    x: Abscissa = Field(
+        default="timesteps",
+        description="`seconds`: processor time of training, without compiling and evaluation.",
+    )
     max_points: int = Field(
         default=DEFAULT_POINTS,
         ge=2,

@@ -22,7 +22,9 @@ CYCLE = 800
 def measurement_of(seed: int, timestep: int) -> Measurement:
     """What a run measures there, whoever trains it."""
     value = -1000.0 / timestep - seed
-    return Measurement(seed, timestep, value, value / 2, timestep // 2, 0, 0.1, {"loss": value})
+    return Measurement(
+        seed, timestep, value, value / 2, timestep // 2, 0, 0.1, {"loss": value}, 0.05
+    )
 
 
 @dataclass

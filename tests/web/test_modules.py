@@ -62,6 +62,20 @@ def test_bands_in_words(signed_in: Page) -> None:
     assert call(signed_in, "format", "withBand", -3.0, None, None) == "−3"
 
 
+@pytest.mark.parametrize(
+    ("x", "label"), [("seconds", "processor seconds of training"), ("timesteps", "timesteps")]
+)
+def test_axes_say_what_they_are_over(signed_in: Page, x: str, label: str) -> None:
+    assert call(signed_in, "view", "xLabel", x) == label
+
+
+def test_what_a_run_cost_is_no_diagnostic_of_it(signed_in: Page) -> None:
+    names = ["timestep", "seconds", "compile_seconds", "critic_loss"]
+    columns = {name: [1.0] for name in names}
+    charts = call(signed_in, "diagnostics", "chartsOf", columns)
+    assert [name for chart in charts for name in chart["names"]] == ["critic_loss"]
+
+
 def test_colours_are_those_of_the_figures_in_files(signed_in: Page) -> None:
     for algorithm in [*COLOURS, "somebody-s-own", "td3", "ppo"]:
         ours = call(signed_in, "palette", "algorithmColour", algorithm)

@@ -16,7 +16,9 @@ CYCLE = 100
 
 def measurement_of(seed: int, timestep: int) -> Measurement:
     """What a seed measures there."""
-    return Measurement(seed, timestep, -float(seed), -1.0 / timestep, timestep // 2, 0, 0.0, {})
+    return Measurement(
+        seed, timestep, -float(seed), -1.0 / timestep, timestep // 2, 0, 0.0, {}, 0.0
+    )
 
 
 class FakeLearner:

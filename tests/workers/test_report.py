@@ -37,6 +37,7 @@ MEASUREMENTS = st.builds(
     jacobians=COUNTS,
     seconds=st.floats(),
     diagnostics=st.dictionaries(st.text(), st.floats()),
+    compile_seconds=st.floats(),
 )
 
 

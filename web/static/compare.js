@@ -12,7 +12,7 @@ import { follow } from "./live.js";
 import { MetricChoice } from "./metric_choice.js";
 import { Panel } from "./panel.js";
 import { Refresh } from "./refresh.js";
-import { CURVE_FIELDS, flag, list, name, oneOf, View } from "./view.js";
+import { CURVE_FIELDS, flag, list, name, oneOf, View, xLabel } from "./view.js";
 
 const MAX_POINTS = 300;
 const OFFERED = 200;
@@ -92,7 +92,7 @@ function draw() {
   const known = identities(overlaidEntries(compared));
   const isNormalized = RETURNS.includes(view.get("metric")) && view.get("scale") === "normalized";
   const axes = {
-    xLabel: view.get("x"),
+    xLabel: xLabel(view.get("x")),
     yLabel: isNormalized ? `normalised ${view.get("metric")}` : view.get("metric"),
     xMax: null,
   };

@@ -15,7 +15,7 @@ import { Refresh } from "./refresh.js";
 import { ScoreTable } from "./score_table.js";
 import { Statistics } from "./statistics.js";
 import { SweepHead } from "./sweep_head.js";
-import { CURVE_FIELDS, flag, list, name, oneOf, text, View } from "./view.js";
+import { CURVE_FIELDS, flag, list, name, oneOf, text, View, xLabel } from "./view.js";
 
 const MAX_POINTS = 300;
 const id = document.getElementById("sweep").dataset.sweep;
@@ -132,7 +132,7 @@ function draw() {
   if (JSON.stringify(question()) !== answered) return;
   const known = identities(entries());
   const axes = {
-    xLabel: comparison.x,
+    xLabel: xLabel(comparison.x),
     yLabel: comparison.normalized ? `normalised ${comparison.metric}` : comparison.metric,
     xMax: comparison.x === "timesteps" ? timestepsOf(head.sweep.request) : null,
   };

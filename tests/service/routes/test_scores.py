@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from starlette.testclient import TestClient
 
-from algorithms.measurement import Divergence
+from algorithms.early_end import Divergence
 from service.schemas.score_table_answer import inert
 from service.store.store import Store
 from tests.service.conftest import SWEEP, changed
