@@ -69,7 +69,7 @@ def train(
     """Train runs that differ in their seed, all at once, and show how they get on."""
     usual = preset(algorithm, environment)
     steps = usual.timesteps if timesteps is None else timesteps
-    settings = {**usual.config, **read_settings(config or [])}
+    settings = read_settings(config or [])
     outcome = Outcome(range(seeds))
     build = prepared(algorithm, environment, outcome.seeds, weights, steps, settings)
     with ExitStack() as stack:
