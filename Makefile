@@ -32,6 +32,9 @@ $(VENV)/installed: pyproject.toml hatch_build.py
 $(VENV)/installed-dev: $(VENV)/installed
 	@echo "== Installing what the tests need"
 	@$(PIP) --editable '.[dev]'
+	@# Alone: moviepy, which Gymnasium's RecordVideo writes with, asks for an older Pillow and does
+	@# not need it here.
+	@$(PIP) --no-deps 'moviepy~=2.2.1'
 	@touch $@
 
 $(VENV)/installed-peers: $(VENV)/installed-dev

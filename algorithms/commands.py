@@ -1,6 +1,6 @@
 """The commands of `python -m algorithms`: training on one machine, without a service.
 
-Exit codes: 0 done; 1 a run diverged or could not go on; 2 the command was called wrongly;
+Exit codes: 0 done; 1 a run diverged or failed; 2 the command was called wrongly;
 130 interrupted.
 """
 
@@ -69,7 +69,7 @@ def train(
     """Train runs that differ in their seed, all at once, and show how they get on."""
     usual = preset(algorithm, environment)
     steps = usual.timesteps if timesteps is None else timesteps
-    settings = {**usual.config, **read_settings(config or [])}
+    settings = read_settings(config or [])
     outcome = Outcome(range(seeds))
     build = prepared(algorithm, environment, outcome.seeds, weights, steps, settings)
     with ExitStack() as stack:
@@ -94,8 +94,10 @@ def train(
             complain(f"training could not go on: {error}")
             raise typer.Exit(1) from None
     console.print(summary(outcome))
-    if outcome.diverged:
-        complain(f"{len(outcome.diverged)} of {seeds} runs diverged.")
+    if outcome.ended:
+        for end in outcome.ended.values():
+            complain(f"seed {end.seed} {end.reason}")
+        complain(f"{len(outcome.ended)} of {seeds} runs ended early.")
         raise typer.Exit(1)
 
 

@@ -1,6 +1,7 @@
 """Curve file: measurements as CSV, a row each, written as they come.
 
-    seed,timestep,return_mean,return_history,updates,jacobians,seconds,<diagnostics by name>
+    seed,timestep,return_mean,return_history,updates,jacobians,seconds,compile_seconds,
+    <diagnostics by name>
 
 Numbers are written so that reading gives the same bits back; a number that does not exist is nan.
 """
@@ -13,6 +14,7 @@ from algorithms.measurement import Measurement
 
 COLUMNS = (
     "seed", "timestep", "return_mean", "return_history", "updates", "jacobians", "seconds",
+    "compile_seconds",
 )  # fmt: skip
 
 

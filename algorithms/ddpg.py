@@ -29,20 +29,29 @@ import numpy as np
 
 from algorithms import network
 from algorithms.ddpg_config import DDPGConfig
-from algorithms.ddpg_update import Rates, Report, empty_report, gradient_pair, update
+from algorithms.ddpg_update import (
+    QUANTITIES,
+    Rates,
+    Report,
+    empty_report,
+    gradient_pair,
+    update,
+)
 from algorithms.diagnostics import UpdateMeans, agreement, with_derivatives
+from algorithms.early_end import NotFiniteQuantityError
 from algorithms.losses import Matching, is_matched, matching_of
 from algorithms.network import Shape
 from algorithms.off_policy import OffPolicyLearner
 from algorithms.optimizer import learned
 from algorithms.parameter_noise import ParameterNoise, action_distance
 from algorithms.policy import Policy, deterministic
-from algorithms.replay import Replay, empty_memory
+from algorithms.replay import Replay, check_finite, empty_memory
 from algorithms.rollout import Experience, Rollout
 from algorithms.scaling import Coordinates, Statistics, coordinates_of
 from algorithms.snapshot import Critic, Snapshot
 from algorithms.state import State, part, within
-from algorithms.value_scale import move_value_scale
+from algorithms.stopwatch import Cost, Stopwatch
+from algorithms.value_scale import move_value_scale, rescale_moments, rewrite_fit
 from physics.environment import Environment
 from physics.randomness import generator
 
@@ -119,31 +128,29 @@ class DDPGAgent:
     def remember(self, experience: Experience) -> None:
         """Store the transitions and take in their features."""
         transitions = experience.transitions
+        check_finite(transitions)
         self._statistics.observe(np.ascontiguousarray(transitions.features))
-        if not self.replay.size:
-            rewards = transitions.rewards
-            self._statistics.set_value_scale(float(rewards.mean()), float(rewards.std()))
+        self._statistics.observe_rewards(transitions.rewards.astype(np.float64))
         self.replay.extend(transitions, experience.states)
         self.jacobians += len(experience.states) if self._matched else 0
 
-    def learn(self) -> str | None:
+    def learn(self) -> None:
         """Adapt the noise, update both networks, move the critic's output unit."""
         count, batch = self._config.cycle_updates, self._config.batch_size
         self._adapt_noise()
         draws = generator(self.seed, "batches", self.updates)
         indices = draws.integers(self.replay.size, size=(count, batch))
         report = empty_report(count)
-        done = update(
+        done, lost = update(
             self._actor, self._critic, self.updates, self.replay.memory, indices,
             self._coordinates, self._statistics.scaling(), self._rates, self._matching,
             self._shapes, report,
         )  # fmt: skip
         self.updates += done
-        if done < count:
-            return "loss" if np.isnan(report.critic_loss[done]) else "parameters"
+        if lost >= 0:
+            raise NotFiniteQuantityError(QUANTITIES[lost])
         self._move_value_scale(report)
         self._means.add(report)
-        return None
 
     def diagnose(self, timestep: int) -> dict[str, float]:
         """The means of the updates since the last call, and how well gradients fit."""
@@ -213,13 +220,11 @@ class DDPGAgent:
 
     def _move_value_scale(self, report: Report) -> None:
         """Set the unit of Q to the cycle's targets, leaving Q and Q' as they are."""
-        critics = (
-            network.parameters(theta, self._shapes[1])
-            for theta in (self._critic.theta, self._critic.target)
+        change = move_value_scale(
+            self._statistics, report.target_mean.mean(), report.target_square.mean()
         )
-        move_value_scale(
-            self._statistics, report.target_mean.mean(), report.target_square.mean(), critics
-        )
+        rewrite_fit(self._critic, self._shapes[1], change)
+        rescale_moments(self._actor, np.float32(change.ratio))  # it climbs the normalised Q
 
 
 def shapes_of(environment: Environment, config: DDPGConfig) -> tuple[Shape, Shape]:
@@ -262,15 +267,17 @@ def cohort(
 ) -> OffPolicyLearner:
     """A cohort of runs whose critics match gradients as given."""
     coordinates = coordinates_of(environment)
-    agents = [
-        DDPGAgent(environment, coordinates, seed, matching, timesteps, config) for seed in seeds
-    ]
-    rollout = Rollout(
-        environment, coordinates, seeds,
-        linearized=is_matched(matching),
-        time_limit_is_terminal=config.time_limit_is_terminal,
-    )  # fmt: skip
+    stopwatch = Stopwatch({seed: Cost() for seed in seeds})
+    with stopwatch.aside():
+        agents = [
+            DDPGAgent(environment, coordinates, seed, matching, timesteps, config) for seed in seeds
+        ]
+        rollout = Rollout(
+            environment, coordinates, seeds,
+            linearized=is_matched(matching),
+            time_limit_is_terminal=config.time_limit_is_terminal,
+        )  # fmt: skip
     return OffPolicyLearner(
         environment, agents, rollout, agents[0]._shapes[0],
-        timesteps=timesteps, rollout_steps=config.rollout_steps,
+        stopwatch=stopwatch, timesteps=timesteps, rollout_steps=config.rollout_steps,
     )  # fmt: skip

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from algorithms import actor, bellman, critic, losses, network, optimizer, replay
+from algorithms import actor, bellman, critic, finite, losses, network, optimizer, replay
 from algorithms.critic import CriticWork
 from algorithms.layer import Array
 from algorithms.losses import Matching
@@ -23,6 +23,16 @@ from algorithms.optimizer import Learned
 from algorithms.replay import Batch, Memory
 from algorithms.scaling import Coordinates, Scaling
 from physics.compiled import compiled_fast
+
+QUANTITIES = (
+    "critic loss",
+    "gradient loss",
+    "critic gradient",
+    "actor gradient",
+    "critic parameters",
+    "actor parameters",
+)
+"""What an update looks at, in this order, to see whether the run diverges."""
 
 
 class Rates(NamedTuple):
@@ -97,11 +107,12 @@ def update(
     matching: Matching,
     shapes: tuple[Shape, Shape],
     report: Report,
-) -> int:
+) -> tuple[int, int]:
     """Update on the batches `indices [U, B]`, `done` updates having been done before.
 
     Returns:
-        How many of the U updates were done: fewer if a loss or a parameter stopped being finite.
+        How many of the U updates were done, and -1; or, at an update that met a number that is not
+        finite, how many were done before it, and the number's index in `QUANTITIES`.
     """
     actor_shape, critic_shape = shapes
     work = new_work(memory, learned_actor, learned_critic, indices.shape[1], shapes)
@@ -140,9 +151,13 @@ def update(
         optimizer.follow(learned_actor, rates.tau)
         report.critic_gradient_norm[u] = np.sqrt(critic_norm)
         report.actor_gradient_norm[u] = np.sqrt(actor_norm)
-        if not np.isfinite(critic_norm + critic_size + actor_norm + actor_size):
-            return u
-    return int(indices.shape[0])
+        lost = finite.first_not_finite((
+            report.critic_loss[u], report.gradient_loss[u],
+            critic_norm, actor_norm, critic_size, actor_size,
+        ))  # fmt: skip
+        if lost >= 0:
+            return u, lost
+    return int(indices.shape[0]), -1
 
 
 @compiled_fast

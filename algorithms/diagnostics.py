@@ -39,7 +39,7 @@ class UpdateMeans:
 
     def add(self, report: Any) -> None:
         """Take in a cycle's report, whose fields of these names are arrays [updates]."""
-        cycle = [getattr(report, name).mean() for name in self.names]
+        cycle = [getattr(report, name).mean(dtype=np.float64) for name in self.names]
         self._cycles = np.vstack([self._cycles, np.array(cycle, np.float32)])
 
     def take(self) -> dict[str, float]:
@@ -47,7 +47,8 @@ class UpdateMeans:
         cycles, self._cycles = self._cycles, self._cycles[:0]
         if not len(cycles):
             return dict.fromkeys(self.names, float("nan"))
-        return {name: float(np.mean(cycles[:, i])) for i, name in enumerate(self.names)}
+        means = cycles.mean(axis=0, dtype=np.float64)
+        return {name: float(mean) for name, mean in zip(self.names, means, strict=True)}
 
     def state(self) -> State:
         """The means of each cycle since they were last taken [cycles, names]."""

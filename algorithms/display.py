@@ -104,10 +104,8 @@ def summary(outcome: Outcome) -> Table:
     """A row a run, and the mean of all that were measured."""
     table = Table("seed", "timestep", "return_mean", "return_history", "seconds", "", box=None)
     for seed in outcome.seeds:
-        end = ""
-        if seed in outcome.diverged:
-            found = outcome.diverged[seed]
-            end = f"diverged at timestep {found.timestep:,}: {found.quantity} not finite"
+        early = outcome.ended.get(seed)
+        end = "" if early is None else early.reason
         if seed not in outcome.latest:
             table.add_row(str(seed), "-", "-", "-", "-", end or "not measured")
             continue

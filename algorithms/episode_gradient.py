@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from algorithms import actor, network
 from algorithms.activation import slope
+from algorithms.failing_rows import Failures, call_rows
 from algorithms.layer import Array
 from algorithms.network import Shape
 from algorithms.policy import Policies, Policy
@@ -70,20 +71,25 @@ class LinearizedEpisodes(NamedTuple):
 
 def live(
     environment: Environment, policies: Sequence[Policy], shape: Shape, starts: Floats
-) -> LinearizedEpisodes:
+) -> tuple[LinearizedEpisodes | None, Failures]:
     """Let each of K actors live E episodes from its start states [K, E, n].
 
-    Raises:
-        UnsolvedStepError: as `Environment.differentiate`.
+    Returns:
+        The episodes, void for those that failed, None if all did; and, by `k E + e`, how they did.
     """
     actors, each, n = starts.shape
     everyone = Policies([policy for policy in policies for _ in range(each)], shape)
     states = starts.reshape(-1, n)
     ends = np.full(len(states), environment.horizon)
     rows: list[tuple[Floats, ...]] = []
+    failures: Failures = {}
     for t in range(environment.horizon):
         features = environment.features(states)
-        step, *derivatives = environment.differentiate(states, everyone.act(features))
+        steps, failed = call_rows(environment.differentiate, states, everyone.act(features))
+        failures = failed | failures
+        if steps is None:
+            return None, failures
+        step, *derivatives = steps
         is_running = ends > t
         slopes = environment.feature_slopes(features)
         rows.append((features, slopes, np.where(is_running, step.reward, 0.0), *derivatives))
@@ -93,7 +99,7 @@ def live(
         states = np.where((ends > t + 1)[:, None], step.next_state, states)
     stacked = (np.stack(part) for part in zip(*rows, strict=True))
     parts = [part.reshape(part.shape[0], actors, each, *part.shape[2:]) for part in stacked]
-    return LinearizedEpisodes._make([*parts, ends.reshape(actors, each)])
+    return LinearizedEpisodes._make([*parts, ends.reshape(actors, each)]), failures
 
 
 @compiled_fast

@@ -3,25 +3,40 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from algorithms.early_end import NotFiniteQuantityError
+from algorithms.failing_rows import Failures, call_rows
 from algorithms.policy import Policies
 from physics.environment import Environment
 
 FloatArray = NDArray[np.float64]
 
 
-def episode_returns(environment: Environment, policies: Policies, starts: FloatArray) -> FloatArray:
+def episode_returns(
+    environment: Environment, policies: Policies, starts: FloatArray
+) -> tuple[FloatArray, Failures]:
     """The returns [K] of one episode of each policy, from the start states [K, n].
 
     An episode that the task has ended earns nothing more.
+
+    Returns:
+        The returns, void for policies that failed; and how these failed.
     """
     states = starts
     returns = np.zeros(len(starts))
     running = np.ones(len(starts), np.bool_)
+    failures: Failures = {}
     for _ in range(environment.horizon):
-        transition = environment.step(states, policies.act(environment.features(states)))
-        returns[running] += transition.reward[running]
+        actions = policies.act(environment.features(states))
+        transition, failed = call_rows(environment.step, states, actions)
+        failures = failed | failures
+        if transition is None:
+            break
+        with np.errstate(over="ignore"):
+            returns[running] += transition.reward[running]
         running &= ~transition.terminated
         if not running.any():
             break
         states = np.where(running[:, None], transition.next_state, states)
-    return returns
+    for k in np.flatnonzero(~np.isfinite(returns)):
+        failures.setdefault(int(k), NotFiniteQuantityError("return"))
+    return returns, failures

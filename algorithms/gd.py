@@ -19,21 +19,22 @@ left to autograd through `physics.torch_step`: the same derivatives, and the tes
 the other. What the paper leaves open: the step size, the number of episodes, the clipping.
 """
 
-import time
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from functools import partial
 
-import numpy as np
-
+from algorithms.early_end import EarlyEnd
 from algorithms.episode_gradient import LinearizedEpisodes, live
 from algorithms.evaluation import episode_returns
+from algorithms.failing_rows import early_end, found
 from algorithms.gd_config import GDConfig
 from algorithms.gd_run import GDRun, shape_of
-from algorithms.measurement import Divergence, Measurement
+from algorithms.measurement import Measurement
 from algorithms.policy import Policies
 from algorithms.rollout import start_states
 from algorithms.scaling import coordinates_of
 from algorithms.snapshot import Snapshot
 from algorithms.state import Saved, State
+from algorithms.stopwatch import Stopwatch
 from algorithms.threads import one_thread
 from physics.environment import Environment
 
@@ -53,8 +54,9 @@ class GDLearner:
         self._timesteps = timesteps
         self._shape = shape_of(environment, config)
         coordinates = coordinates_of(environment)
-        self._runs = [GDRun(environment, coordinates, seed, config) for seed in seeds]
+        self._runs = [GDRun(environment, coordinates, seed, timesteps, config) for seed in seeds]
         self._by_seed = dict(zip(seeds, self._runs, strict=True))  # those that ended stay here
+        self._stopwatch = Stopwatch({run.history.seed: run.history.cost for run in self._runs})
         self.timestep = 0
 
     @property
@@ -72,28 +74,26 @@ class GDLearner:
         """Whether nothing is left to do."""
         return not self._runs
 
-    def advance(self) -> list[Measurement | Divergence]:
+    def advance(self) -> list[Measurement | EarlyEnd]:
         """Do one update of every run."""
-        start, runs = time.perf_counter(), self._runs
         with one_thread():
-            episodes = self._live()
-            for k, run in enumerate(runs):
-                run.timestep += int(episodes.ends[k].sum())
-            measured = self._measure()
-            diverged = self._learn(episodes)
-        share = (time.perf_counter() - start) / len(runs)
-        for run in runs:
-            run.history.seconds += share
+            with self._stopwatch.training(self.seeds):
+                lived = self._live()
+            ends = self._each(lambda run: run.count(lived[run.history.seed]()))
+            measured = self._measure(ends)
+            ends += self._learn(lived)
         if self._runs:
             self._count()
         self._runs = [
             run for run in self._runs if run.timestep < self._timesteps and not run.is_on_plateau
         ]
-        return [*measured, *diverged]
+        self._stopwatch.keep(self.seeds)
+        return [*measured, *ends]
 
     def drop(self, seeds: Collection[int]) -> None:
         """Stop training these seeds."""
         self._runs = [run for run in self._runs if run.history.seed not in seeds]
+        self._stopwatch.keep(self.seeds)
 
     def state(self, seed: int) -> State:
         """All that the run's next bits depend on."""
@@ -117,15 +117,48 @@ class GDLearner:
     def _count(self) -> None:
         self.timestep = min(self._timesteps, *(run.timestep for run in self._runs))
 
-    def _live(self) -> LinearizedEpisodes:
-        """The episodes of the coming update."""
-        starts = np.stack(
-            [start_states(self._environment, run.episodes_ahead()) for run in self._runs]
-        )
-        return live(self._environment, [r.policy() for r in self._runs], self._shape, starts)
+    def _each(self, call: Callable[[GDRun], None]) -> list[EarlyEnd]:
+        """Call for every run; those for which it raises leave."""
+        ends = []
+        for run in self._runs:
+            try:
+                call(run)
+            except Exception as error:
+                seed, timestep, updates = run.history.seed, run.timestep, run.updates
+                ends.append(early_end(seed, timestep, updates + 1, error))
+        self.drop({end.seed for end in ends})
+        return ends
 
-    def _measure(self) -> list[Measurement]:
-        """The measurements that came due during the episodes, of the actors that lived them."""
+    def _live(self) -> dict[int, Callable[[], LinearizedEpisodes]]:
+        """What gives the episodes of each seed's coming update, or raises what they failed by."""
+        purposes = [run.episodes_ahead() for run in self._runs]
+        starts, unborn = start_states(self._environment, [each for run in purposes for each in run])
+        shape = (len(purposes), -1, self._environment.state_size)
+        episodes, failures = live(
+            self._environment, [r.policy() for r in self._runs], self._shape, starts.reshape(shape)
+        )
+        each = len(starts) // len(purposes)
+        errors = {row // each: error for row, error in (failures | unborn).items()}
+
+        def episodes_of(k: int) -> LinearizedEpisodes:
+            return found(errors[k] if episodes is None or k in errors else episodes.of(k))
+
+        return {seed: partial(episodes_of, k) for k, seed in enumerate(self.seeds)}
+
+    def _learn(self, lived: Mapping[int, Callable[[], LinearizedEpisodes]]) -> list[EarlyEnd]:
+        """Let every run learn from the episodes it lived."""
+
+        def learn(run: GDRun) -> None:
+            with self._stopwatch.training([run.history.seed]):
+                run.learn(lived[run.history.seed]())
+
+        return self._each(learn)
+
+    def _measure(self, ends: list[EarlyEnd]) -> list[Measurement]:
+        """The measurements that came due during the episodes, of the actors that lived them.
+
+        Runs for which that raises leave, and their ends are added to `ends`.
+        """
         due = [
             (run, number)
             for run in self._runs
@@ -133,24 +166,22 @@ class GDLearner:
         ]
         if not due:
             return []
-        policies = Policies([run.policy() for run, _ in due], self._shape)
-        starts = start_states(
-            self._environment, [(run.history.seed, "evaluation", number) for run, number in due]
-        )
-        returns = episode_returns(self._environment, policies, starts)
-        return [run.measured(float(value)) for (run, _), value in zip(due, returns, strict=True)]
+        purposes = [(run.history.seed, "evaluation", number) for run, number in due]
+        with self._stopwatch.aside():
+            policies = Policies([run.policy() for run, _ in due], self._shape)
+            starts, unborn = start_states(self._environment, purposes)
+            returns, failures = episode_returns(self._environment, policies, starts)
+        errors = failures | unborn
+        earned: dict[int, list[float | Exception]] = {seed: [] for seed in self.seeds}
+        for row, (run, _) in enumerate(due):
+            earned[run.history.seed].append(errors.get(row, float(returns[row])))
+        measured: list[Measurement] = []
 
-    def _learn(self, episodes: LinearizedEpisodes) -> list[Divergence]:
-        """Update every actor; those that diverge leave."""
-        divergences = []
-        for k, run in enumerate(self._runs):
-            quantity = run.learn(episodes.of(k))
-            if quantity is not None:
-                divergences.append(
-                    Divergence(run.history.seed, run.timestep, run.updates + 1, quantity)
-                )
-        self.drop({divergence.seed for divergence in divergences})
-        return divergences
+        def measure(run: GDRun) -> None:
+            measured.extend(run.measured(found(value)) for value in earned[run.history.seed])
+
+        ends += self._each(measure)
+        return measured
 
 
 def build(

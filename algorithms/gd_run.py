@@ -3,7 +3,9 @@
 import numpy as np
 
 from algorithms import network
+from algorithms.early_end import NotFiniteQuantityError
 from algorithms.episode_gradient import LinearizedEpisodes, return_gradient
+from algorithms.finite import is_finite
 from algorithms.gd_config import GDConfig
 from algorithms.history import History
 from algorithms.layer import Array
@@ -33,10 +35,15 @@ class GDRun:
     """
 
     def __init__(
-        self, environment: Environment, coordinates: Coordinates, seed: int, config: GDConfig
+        self,
+        environment: Environment,
+        coordinates: Coordinates,
+        seed: int,
+        timesteps: int,
+        config: GDConfig,
     ) -> None:
         """Draw the initial actor."""
-        self.history = History(seed)
+        self.history = History(seed, timesteps)
         self.timestep = 0
         self.updates = 0
         self._config = config
@@ -47,6 +54,10 @@ class GDRun:
         self._gradient_norms: list[float] = []
         self._best = -np.inf
         self._best_at = 0
+
+    def count(self, episodes: LinearizedEpisodes) -> None:
+        """Count the steps of the coming update's episodes."""
+        self.timestep += int(episodes.ends.sum())
 
     def policy(self) -> Policy:
         """The actor as it is."""
@@ -60,25 +71,24 @@ class GDRun:
         first = self.updates * each
         return [(self.history.seed, "episode", i) for i in range(first, first + each)]
 
-    def learn(self, episodes: LinearizedEpisodes) -> str | None:
-        """Update by what the actor lived; return the name of a quantity that is not finite."""
+    def learn(self, episodes: LinearizedEpisodes) -> None:
+        """Update by what the actor lived."""
         theta, mean, inverse, _ = self.policy()
         gradient = np.empty_like(theta)
         return_gradient(
             theta, self._shape, mean, inverse, self._environment.feature_sources, episodes, gradient
         )
-        norm, is_finite = climb(
+        norm, still_finite = climb(
             self._actor, gradient, self._config.rate, self.updates + 1, self._config.clip
         )
         if not np.isfinite(norm):
-            return "gradient"
-        if not is_finite:
-            return "parameters"
+            raise NotFiniteQuantityError("actor gradient")
+        if not still_finite:
+            raise NotFiniteQuantityError("actor parameters")
         self.updates += 1
         self._gradient_norms.append(norm)
         for e, end in enumerate(episodes.ends):
             self._statistics.observe(episodes.features[:end, e].astype(np.float32))
-        return None
 
     def measured(self, return_mean: float) -> Measurement:
         """Take in a measurement."""
@@ -145,13 +155,13 @@ def climb(
     for i in range(gradient.size):
         square += np.float64(gradient[i]) * np.float64(gradient[i])
     norm = np.sqrt(square)
-    if not np.isfinite(norm):
+    if not is_finite(norm):
         return norm, True
     scale = -min(1.0, clip / norm) if norm > 0.0 else -1.0
     for i in range(gradient.size):
         gradient[i] *= scale
     _, theta_norm = adam(actor, gradient, corrected(rate, update))
-    return norm, bool(np.isfinite(theta_norm))
+    return norm, bool(is_finite(theta_norm))
 
 
 def shape_of(environment: Environment, config: GDConfig) -> Shape:

@@ -1,5 +1,9 @@
-"""History: the measurements of one run on the grid of timesteps that all algorithms share."""
+"""History: the measurements of one run on the grid of timesteps that all algorithms share.
 
+The grid is every `MEASURE_EVERY` timesteps, and the run's last timestep.
+"""
+
+import math
 from collections import deque
 from collections.abc import Mapping
 
@@ -7,6 +11,7 @@ import numpy as np
 
 from algorithms.measurement import HISTORY, MEASURE_EVERY, Measurement
 from algorithms.state import State
+from algorithms.stopwatch import Cost
 
 
 class History:
@@ -14,35 +19,43 @@ class History:
 
     Attributes:
         seed: the run's.
-        count: measurements so far; the next is due at timestep `(count + 1) MEASURE_EVERY`.
+        count: measurements so far.
         returns: the latest `HISTORY` returns recorded, oldest first.
-        seconds: the run's share of its cohort's time.
+        cost: what it has cost.
     """
 
-    def __init__(self, seed: int) -> None:
-        """Begin with none."""
+    def __init__(self, seed: int, timesteps: int) -> None:
+        """Begin with none, in a run of so many timesteps."""
         self.seed = seed
+        self._timesteps = timesteps
         self.count = 0
         self.returns = deque[float](maxlen=HISTORY)
-        self.seconds = 0.0
+        self.cost = Cost()
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether the last timestep has been measured."""
+        return self.count * MEASURE_EVERY >= self._timesteps
 
     def due(self, timestep: int) -> range:
-        """Numbers of the measurements due up to and including a timestep."""
-        return range(self.count + 1, timestep // MEASURE_EVERY + 1)
+        """Numbers, from 1 on, of the measurements due up to and including a timestep."""
+        at_end = timestep >= self._timesteps
+        last = math.ceil(self._timesteps / MEASURE_EVERY) if at_end else timestep // MEASURE_EVERY
+        return range(self.count + 1, last + 1)
 
     def state(self) -> State:
         """All of it but the seed."""
         return {
             "count": np.array(self.count),
             "returns": np.array(self.returns, np.float64),
-            "seconds": np.array(self.seconds),
+            **self.cost.state(),
         }
 
     def restore(self, state: State) -> None:
         """Take up what `state` gave."""
         self.count = int(state["count"])
         self.returns = deque(state["returns"].tolist(), HISTORY)
-        self.seconds = float(state["seconds"])
+        self.cost.restore(state)
 
     def record(self, return_mean: float) -> None:
         """Take in what the run earns as it stands."""
@@ -55,11 +68,12 @@ class History:
         self.count += 1
         return Measurement(
             seed=self.seed,
-            timestep=self.count * MEASURE_EVERY,
+            timestep=min(self.count * MEASURE_EVERY, self._timesteps),
             return_mean=self.returns[-1],
             return_history=float(np.mean(self.returns)),
             updates=updates,
             jacobians=jacobians,
-            seconds=self.seconds,
+            seconds=self.cost.seconds,
+            compile_seconds=self.cost.compile_seconds,
             diagnostics=diagnostics,
         )

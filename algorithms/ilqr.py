@@ -20,8 +20,11 @@ Source: Tassa, Mansard and Todorov (2014) and their code.
 import numpy as np
 from numpy.typing import NDArray
 
+from algorithms.early_end import NotFiniteQuantityError
+from algorithms.failing_rows import Failures, call_rows
 from algorithms.ilqr_backward import (
     LARGEST,
+    Gains,
     Regularisation,
     backward,
     lower_level,
@@ -31,7 +34,7 @@ from algorithms.ilqr_backward import (
     raise_level,
 )
 from algorithms.ilqr_episode import Episodes
-from algorithms.ilqr_expansion import curved_directions, expand, new_expansion
+from algorithms.ilqr_expansion import Expansion, curved_directions, expand, new_expansion
 from algorithms.ilqr_search import ALPHAS, search
 from algorithms.state import State, fill
 from physics.compiled import compiled
@@ -57,6 +60,7 @@ class Planner:
         iterations: int [P], iterations so far.
         jacobians: int [P], Jacobians of a step worked out so far.
         simulated: int [P], steps that line searches have simulated so far.
+        failures: how plans failed that can't go on, by their index; others are not concerned.
     """
 
     def __init__(self, environment: Environment, episodes: Episodes) -> None:
@@ -67,6 +71,7 @@ class Planner:
         self.iterations = np.zeros(plans, np.int64)
         self.jacobians = np.zeros(plans, np.int64)
         self.simulated = np.zeros(plans, np.int64)
+        self.failures: Failures = {}
         self.regularisation = new_regularisation(plans)
         self.gains = new_gains(environment, plans)
         self._environment = environment
@@ -87,12 +92,15 @@ class Planner:
         Regularisation goes on from where it was left; where none was enough, it starts anew.
         """
         self.is_active[plans] = True
-        is_spent = self.regularisation.level > LARGEST
-        self.regularisation.level[is_spent] = 1.0
-        self.regularisation.growth[is_spent] = 1.0
+        spent = plans[self.regularisation.level[plans] > LARGEST]
+        self.regularisation.level[spent] = 1.0
+        self.regularisation.growth[spent] = 1.0
 
     def keep(self, rows: list[int]) -> None:
         """Keep these plans only."""
+        self.failures = {
+            p: self.failures[row] for p, row in enumerate(rows) if row in self.failures
+        }
         for name in COUNTS:
             setattr(self, name, getattr(self, name)[rows])
         for name in ("episodes", "regularisation", "gains", "_expansion"):
@@ -100,13 +108,21 @@ class Planner:
             setattr(self, name, type(parts)._make(part[rows] for part in parts))
 
     def iterate(self, start: int, stop: int, plans: Integers) -> None:
-        """Do one iteration of steps start to stop - 1 of these plans, all of them active."""
+        """Do one iteration of steps start to stop - 1 of these plans, all of them active.
+
+        Plans in which something raises, or whose derivatives or gains are not finite, are noted in
+        `failures`.
+        """
         self._expand(start, stop, plans)
+        self._check(plans, start, stop, self._expansion, "derivative")
+        plans = self._intact(plans)
         is_possible = np.ones(len(self.is_active), np.bool_)
         backward(
             plans, start, stop, self.episodes, self._expansion, self.regularisation,
             self.gains, self._work, is_possible,
         )  # fmt: skip
+        self._check(plans, start, stop, self.gains, "gain")
+        plans = self._intact(plans)
         level, size = self.regularisation.level, self.gains.size
         is_flat = (size < SMALL_CHANGE) & (level < SMALL_LEVEL)
         self.is_active[plans] = (is_possible & ~is_flat)[plans]
@@ -148,11 +164,33 @@ class Planner:
         for first in np.unique(np.clip(self._expanded_to[plans], start, stop)):
             if first < stop:
                 chosen = plans[np.clip(self._expanded_to[plans], start, stop) == first]
-                self.jacobians[chosen] += expand(
-                    self._environment, self.episodes, chosen, (int(first), stop),
-                    self._directions, self._expansion,
-                )  # fmt: skip
+                self.jacobians[chosen] += self._expand_from(int(first), stop, chosen)
         self._expanded_to[plans] = stop
+
+    def _expand_from(self, first: int, stop: int, plans: Integers) -> int:
+        """Fill in the expansion of these steps; return the Jacobians it took of each plan."""
+        count, failures = call_rows(
+            lambda chosen: expand(
+                self._environment, self.episodes, chosen, (first, stop),
+                self._directions, self._expansion,
+            ),
+            plans,
+        )  # fmt: skip
+        self.failures |= {int(plans[k]): error for k, error in failures.items()}
+        return count or 0
+
+    def _check(
+        self, plans: Integers, start: int, stop: int, parts: Expansion | Gains, quantity: str
+    ) -> None:
+        """Note plans that have a NaN or an infinity in one of the parts, up to their end."""
+        for p in plans:
+            end = min(stop, self.episodes.ends[p])
+            numbers = (part[p, start:end] if part.ndim > 1 else part[p] for part in parts)
+            if not all(np.isfinite(each).all() for each in numbers):
+                self.failures.setdefault(int(p), NotFiniteQuantityError(quantity))
+
+    def _intact(self, plans: Integers) -> Integers:
+        return np.array([p for p in plans if p not in self.failures], np.int64)
 
 
 @compiled

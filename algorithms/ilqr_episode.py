@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from algorithms.failing_rows import Failures, call_rows
 from physics.compiled import compiled
 from physics.environment import Environment
 
@@ -35,11 +36,13 @@ class Episodes(NamedTuple):
     """[P], the number of steps after which the task has ended the episode, T if it never does."""
 
 
-def roll_out(environment: Environment, starts: Floats, act: Callable[[Floats], Floats]) -> Episodes:
+def roll_out(
+    environment: Environment, starts: Floats, act: Callable[[Floats], Floats]
+) -> tuple[Episodes, Failures]:
     """Whole episodes from the start states [P, n], under a policy: states [P, n] -> [P, m].
 
-    Raises:
-        UnsolvedStepError: as `Environment.step`.
+    Returns:
+        The episodes, void for plans that failed; and how these failed.
     """
     plans, horizon = len(starts), environment.horizon
     episodes = Episodes(
@@ -49,36 +52,43 @@ def roll_out(environment: Environment, starts: Floats, act: Callable[[Floats], F
         np.full(plans, horizon),
     )
     episodes.states[:, 0] = starts
+    failures: Failures = {}
     for t in range(horizon):
         episodes.actions[:, t] = np.clip(act(np.ascontiguousarray(episodes.states[:, t])), -1, 1)
-        take_step(environment, episodes, t)
-    return episodes
+        failures = take_step(environment, episodes, t) | failures
+    return episodes, failures
 
 
-def replay(environment: Environment, episodes: Episodes, start: int) -> None:
+def replay(environment: Environment, episodes: Episodes, start: int) -> Failures:
     """Bring the states and rewards from step `start` on in line with the actions.
 
-    Raises:
-        UnsolvedStepError: as `Environment.step`.
+    Returns:
+        How plans failed; their episodes are void.
     """
+    failures: Failures = {}
     episodes.ends[episodes.ends > start] = environment.horizon
     for t in range(start, environment.horizon):
         if (episodes.ends <= t).all():
             episodes.states[:, t + 1 :] = episodes.states[:, t : t + 1]
             episodes.rewards[:, t:] = 0.0
             break
-        take_step(environment, episodes, t)
+        failures = take_step(environment, episodes, t) | failures
+    return failures
 
 
-def take_step(environment: Environment, episodes: Episodes, t: int) -> None:
-    """Fill in what follows from the states and actions at step t."""
+def take_step(environment: Environment, episodes: Episodes, t: int) -> Failures:
+    """Fill in what follows from the states and actions at step t; return how plans failed."""
     states = np.ascontiguousarray(episodes.states[:, t])
     actions = np.ascontiguousarray(episodes.actions[:, t])
-    transition = environment.step(states, actions)
+    transition, failures = call_rows(environment.step, states, actions)
+    if transition is None:
+        episodes.states[:, t + 1] = states
+        return failures
     is_over = episodes.ends <= t
     episodes.states[:, t + 1] = np.where(is_over[:, None], states, transition.next_state)
     episodes.rewards[:, t] = np.where(is_over, 0.0, transition.reward)
     episodes.ends[~is_over & transition.terminated] = t + 1
+    return failures
 
 
 @compiled

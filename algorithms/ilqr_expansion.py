@@ -20,9 +20,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from algorithms.failing_rows import call_rows
 from algorithms.ilqr_episode import Episodes
 from algorithms.semidefinite import make_semidefinite
-from algorithms.unsolved_step import call_with_substitutes
 from physics.compiled import compiled
 from physics.environment import Environment, Linearization
 from physics.randomness import generator
@@ -82,7 +82,7 @@ def expand(
     """Fill the expansion of these plans from step start to stop - 1; return the Jacobians it took.
 
     Raises:
-        UnsolvedStepError: as `Environment.differentiate`, for the trajectory itself.
+        Exception: as `Environment.differentiate`, for the trajectory itself.
     """
     start, stop = window
     n, m = environment.state_size, environment.action_size
@@ -104,7 +104,7 @@ def differentiate_around(
     """Derivatives at rows [B] and at their neighbours along D directions, and the widths [D, B].
 
     The neighbours follow the rows, direction by direction: (1 + D) B rows in all. A neighbour that
-    has no solution is replaced by the row itself, as if the gradients did not change that way.
+    raises is replaced by the row itself, as if the gradients did not change that way.
     """
     n = environment.state_size
     x = np.concatenate([states, actions], axis=1)
@@ -116,13 +116,11 @@ def differentiate_around(
         points[1 + d, :, i] += widths[d]
     flat = points.reshape(-1, x.shape[1])
 
-    def themselves() -> tuple[Floats, Floats]:
-        copies = np.tile(x, (1 + len(directions), 1))
-        return copies[:, :n], copies[:, n:]
-
-    steps, _ = call_with_substitutes(
-        environment.differentiate, flat[:, :n], flat[:, n:], themselves
+    themselves = np.tile(np.arange(len(x)), 1 + len(directions))
+    steps, _ = call_rows(
+        environment.differentiate, flat[:, :n], flat[:, n:], substitutes=themselves
     )
+    assert steps is not None  # noqa: S101  (rows stand in for neighbours, or raise)
     return steps, widths
 
 

@@ -7,20 +7,19 @@ The best of them becomes the plan, if it earns more than the plan did and if tha
 expected; no plan ever gets worse.
 
 A candidate that the task ends earns nothing more, and that counts in the comparison, though no
-derivative shows it. One that leaves all bounds (1e8), or meets a step without solution, is out.
+derivative shows it. One that leaves all bounds (1e8), or takes a step that raises, is out.
 
 Source: Tassa, Mansard and Todorov (2014) and their code (z_min = 0).
 """
 
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from algorithms.failing_rows import call_rows
 from algorithms.ilqr_backward import Gains
 from algorithms.ilqr_episode import Episodes, window_return
-from algorithms.unsolved_step import call_with_substitutes
 from physics.compiled import compiled
 from physics.environment import BoolArray, Environment
 
@@ -83,18 +82,16 @@ def try_alphas(
     candidates.states[0] = np.repeat(episodes.states[plans, start], len(ALPHAS), axis=0)
     for i in range(steps):
         choose(plans, start, i, episodes, gains, ALPHAS, candidates)
-        transition, is_unsolved = call_with_substitutes(
-            environment.step, candidates.states[i], candidates.actions[i],
-            partial(plan_rows, episodes, plans, start + i),
-        )  # fmt: skip
+        transition, failed = call_rows(
+            environment.step, candidates.states[i], candidates.actions[i]
+        )
+        if transition is None:
+            candidates.is_out[:] = True
+            break
+        is_unsolved = np.zeros(rows, np.bool_)
+        is_unsolved[list(failed)] = True
         note(i, *transition, is_unsolved, candidates)
     return candidates
-
-
-def plan_rows(episodes: Episodes, plans: Integers, t: int) -> tuple[Floats, Floats]:
-    """The plans' own states and actions at step t, a row for every candidate."""
-    rows = np.repeat(plans, len(ALPHAS))
-    return episodes.states[rows, t], episodes.actions[rows, t]
 
 
 @compiled

@@ -14,7 +14,8 @@ a run a second time asks for the rows since the first. What can be worked out ag
 from collections.abc import Collection, Mapping, Sequence
 from typing import Protocol
 
-from algorithms.measurement import Divergence, Measurement
+from algorithms.early_end import EarlyEnd
+from algorithms.measurement import Measurement
 from algorithms.snapshot import Snapshot
 from algorithms.state import Saved, State
 
@@ -41,8 +42,8 @@ class Learner(Protocol):
     def finished(self) -> bool:
         """Whether nothing is left to do."""
 
-    def advance(self) -> list[Measurement | Divergence]:
-        """Train a little further, well under a second; a diverged run leaves the cohort."""
+    def advance(self) -> list[Measurement | EarlyEnd]:
+        """Train a little further, well under a second; a run that ends early leaves the cohort."""
 
     def drop(self, seeds: Collection[int]) -> None:
         """Stop training these seeds, such as cancelled ones; unknown ones are ignored."""

@@ -13,6 +13,9 @@ The cosine of two short vectors fades to 0, and its derivative stays below 1 / E
 
 so that a gradient which vanishes, as all do on Acrobot at first, teaches nothing. The paper's
 equation 3 has no EPSILON.
+
+No loop both sums and stores: whether such a loop may be vectorised is found out as it runs, from
+how far apart its arrays happen to lie, and a vectorised sum has other bits.
 """
 
 from typing import Any, NamedTuple
@@ -56,11 +59,12 @@ def value_loss(q: Array, target: Array, q_bar: Array) -> Any:
     rows = q.shape[0]
     real = q.dtype.type
     share = real(1) / real(rows)
+    for row in range(rows):
+        q_bar[row, 0] = TWO * share * (q[row, 0] - target[row])
     loss = real(0)
     for row in range(rows):
         residual = q[row, 0] - target[row]
         loss += residual * residual
-        q_bar[row, 0] = TWO * share * residual
     return loss * share
 
 
@@ -98,12 +102,14 @@ def squared_loss(
     rows = gradient.shape[0]
     real = gradient.dtype.type
     share = weight / real(rows)
+    for row in range(rows):
+        for j in range(first, end):
+            direction[row, j] = TWO * share * (gradient[row, j] - target[row, j])
     loss = real(0)
     for row in range(rows):
         for j in range(first, end):
             residual = gradient[row, j] - target[row, j]
             loss += residual * residual
-            direction[row, j] = TWO * share * residual
     return loss * share
 
 

@@ -1,5 +1,6 @@
-"""Measurement: what a learner reports of a run, and how a run may end early."""
+"""Measurement: what a learner reports of a run."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -20,9 +21,13 @@ class Measurement:
         return_history: mean of the latest 100 `return_mean`, of all while there are fewer.
         updates: updates done so far.
         jacobians: Jacobians of transitions worked out so far, those for diagnostics included.
-        seconds: wall time so far. Runs trained together share the time: each counts the cohort's
-            time divided by the runs then in it.
+        seconds: processor time of training so far: acting and learning. Evaluation, diagnostics
+            and checkpoints are not in it, nor is waiting. What runs trained together do together
+            is shared evenly; the rest is each one's own.
         diagnostics: further numbers by name; NaN where a number does not exist.
+        compile_seconds: processor time so far of compiling kernels and of loading them from the
+            cache, shared evenly by the runs trained together. None of it is in `seconds`. NaN where
+            an earlier version measured: its `seconds` are wall time, compiling and all included.
     """
 
     seed: int
@@ -33,37 +38,4 @@ class Measurement:
     jacobians: int
     seconds: float
     diagnostics: Mapping[str, float]
-
-
-@dataclass(frozen=True)
-class Divergence:
-    """A run that ended because a loss or a parameter stopped being finite.
-
-    Attributes:
-        seed: the run's seed.
-        timestep: environment steps taken so far.
-        update: number of the update that did it, from 1 on.
-        quantity: what is not finite.
-    """
-
-    seed: int
-    timestep: int
-    update: int
-    quantity: str
-
-
-class DivergedError(ArithmeticError):
-    """Some runs diverged; the others were trained to their end.
-
-    Attributes:
-        divergences: one for each diverged run.
-    """
-
-    def __init__(self, divergences: list[Divergence]) -> None:
-        """Say which runs diverged, where and how."""
-        self.divergences = divergences
-        ends = "; ".join(
-            f"seed {d.seed} at update {d.update} (timestep {d.timestep}): {d.quantity} not finite"
-            for d in divergences
-        )
-        super().__init__(f"{len(divergences)} diverged: {ends}")
+    compile_seconds: float = math.nan

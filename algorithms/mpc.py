@@ -28,22 +28,25 @@ Source: Tassa, Mansard and Todorov (2014). Differences from their MPC: several i
 until a plan has converged; regularisation goes on from action to action, as the plan does.
 """
 
-import time
+import math
 from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from algorithms import network
+from algorithms.early_end import EarlyEnd, NotFiniteQuantityError
+from algorithms.failing_rows import Failures, early_end
 from algorithms.history import History
 from algorithms.ilqr import Planner
 from algorithms.ilqr_episode import Episodes, replay, roll_out, window_return
-from algorithms.measurement import MEASURE_EVERY, Divergence, Measurement
+from algorithms.measurement import Measurement
 from algorithms.mpc_config import MPCConfig
 from algorithms.network import Shape
 from algorithms.policy import Policies, deterministic
 from algorithms.rollout import start_states
 from algorithms.state import Saved, State, part, within
+from algorithms.stopwatch import Stopwatch
 from algorithms.threads import one_thread
 from physics.environment import Environment
 from physics.randomness import generator
@@ -65,11 +68,13 @@ class MPCLearner:
         self._environment = environment
         self._timesteps = timesteps
         self._config = config
-        with one_thread():
-            episodes = first_plans(environment, seeds, config.hidden_units)
+        self._histories = [History(seed, timesteps) for seed in seeds]
+        self._stopwatch = Stopwatch({history.seed: history.cost for history in self._histories})
+        with one_thread(), self._stopwatch.training(seeds):
+            episodes, failures = first_plans(environment, seeds, config.hidden_units)
         self._planner = Planner(environment, episodes)
+        self._planner.failures |= failures
         self._planner.simulated[:] = episodes.ends
-        self._histories = [History(seed) for seed in seeds]
         self._times = np.zeros(len(seeds), np.int64)
         self._iterations = np.zeros(len(seeds), np.int64)
         self.timestep = 0
@@ -92,28 +97,30 @@ class MPCLearner:
         """The size of a plan with its expansion."""
         return self._planner.bytes_per_plan
 
-    def advance(self) -> list[Measurement | Divergence]:
+    def advance(self) -> list[Measurement | EarlyEnd]:
         """Do one iteration of every plan, or the action they have come to.
 
         Runs that were taken up ahead of others wait for them.
         """
-        start, runs = time.perf_counter(), len(self._histories)
+        ends = self._lose()
+        measured = self._advance() if self._histories else []
+        gone = self._lose()
+        lost = {end.seed for end in gone}
+        if self._histories:
+            self._leave()
+        return [*ends, *(m for m in measured if m.seed not in lost), *gone]
+
+    def _advance(self) -> list[Measurement]:
+        """Do it for the runs that are left."""
         now = int(self._times.min())
         stop = min(now + self._config.horizon, self._environment.horizon)
         here = self._times == now
         unfinished = here & self._planner.is_active & (self._iterations < self._config.iterations)
         with one_thread():
             if unfinished.any():
-                self._planner.iterate(now, stop, np.flatnonzero(unfinished))
-                self._iterations[unfinished] += 1
-                events = self._measure()
-            else:
-                events = self._act(stop, np.flatnonzero(here))
-        share = (time.perf_counter() - start) / runs
-        for history in self._histories:
-            history.seconds += share
-        self._leave()
-        return [*events]
+                self._iterate(now, stop, np.flatnonzero(unfinished))
+                return self._measure()
+            return self._act(stop, np.flatnonzero(here))
 
     def drop(self, seeds: Collection[int]) -> None:
         """Stop these runs."""
@@ -145,10 +152,17 @@ class MPCLearner:
         """None: a plan is no policy."""
         del seed
 
+    def _iterate(self, now: int, stop: int, plans: Integers) -> None:
+        """Improve these plans for steps `now` to `stop` - 1."""
+        with self._stopwatch.training([self.seeds[p] for p in plans]):
+            self._planner.iterate(now, stop, plans)
+        self._iterations[plans] += 1
+
     def _act(self, stop: int, plans: Integers) -> list[Measurement]:
         """Do the next action of these plans, which end before `stop`, and move them on."""
         episodes = self._planner.episodes
-        replay(self._environment, episodes, stop)
+        with self._stopwatch.aside():
+            self._planner.failures |= replay(self._environment, episodes, stop)
         self._planner.simulated[plans] += episodes.ends[plans] > stop  # the step that one takes in
         measured = self._measure()
         self._times[plans] += 1
@@ -160,8 +174,11 @@ class MPCLearner:
     def _predict(self, plans: Integers) -> None:
         """Record what these episodes will earn, as things stand."""
         for p in plans:
-            episodes = self._planner.episodes
-            self._histories[p].record(window_return(episodes, p, 0, self._environment.horizon))
+            with self._stopwatch.aside():
+                value = window_return(self._planner.episodes, p, 0, self._environment.horizon)
+            if not math.isfinite(value):
+                self._planner.failures.setdefault(int(p), NotFiniteQuantityError("return"))
+            self._histories[p].record(value)
 
     def _measure(self) -> list[Measurement]:
         """The measurements that have come due."""
@@ -178,7 +195,7 @@ class MPCLearner:
         return [
             self._measured(p)
             for p, history in enumerate(self._histories)
-            if is_over[p] and (history.count + 1) * MEASURE_EVERY <= self._timesteps
+            if is_over[p] and not history.is_complete
         ]
 
     def _measured(self, p: int) -> Measurement:
@@ -192,6 +209,20 @@ class MPCLearner:
                 "regularisation": float(planner.regularisation.level[p]),
             },
         )
+
+    def _lose(self) -> list[EarlyEnd]:
+        """Let the runs go whose plans failed; return how they end."""
+        planner = self._planner
+        ends = [
+            early_end(
+                self.seeds[p], int(min(planner.simulated[p], self._timesteps)),
+                int(planner.iterations[p]) + 1, error,
+            )
+            for p, error in sorted(planner.failures.items())
+        ]  # fmt: skip
+        if ends:
+            self.drop({end.seed for end in ends})
+        return ends
 
     def _leave(self) -> None:
         """Let the runs go whose episode is over, or which have used up their timesteps."""
@@ -208,10 +239,13 @@ class MPCLearner:
         self._planner.keep(rows)
         self._histories = [self._histories[row] for row in rows]
         self._times, self._iterations = self._times[rows], self._iterations[rows]
+        self._stopwatch.keep(self.seeds)
 
 
-def first_plans(environment: Environment, seeds: Sequence[int], hidden_units: int) -> Episodes:
-    """An episode of each seed's initial actor, which sees features as they are."""
+def first_plans(
+    environment: Environment, seeds: Sequence[int], hidden_units: int
+) -> tuple[Episodes, Failures]:
+    """An episode of each seed's initial actor, which sees features as they are; and what failed."""
     shape = Shape(environment.feature_size, hidden_units, environment.action_size)
     mean = np.zeros(shape.inputs, np.float32)
     actors = [
@@ -224,8 +258,11 @@ def first_plans(environment: Environment, seeds: Sequence[int], hidden_units: in
         for seed in seeds
     ]
     policies = Policies(actors, shape)
-    starts = start_states(environment, [(seed, "episode", 0) for seed in seeds])
-    return roll_out(environment, starts, lambda states: policies.act(environment.features(states)))
+    starts, unborn = start_states(environment, [(seed, "episode", 0) for seed in seeds])
+    episodes, failures = roll_out(
+        environment, starts, lambda states: policies.act(environment.features(states))
+    )
+    return episodes, failures | unborn
 
 
 def build(

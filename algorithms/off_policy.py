@@ -1,30 +1,37 @@
 """The off-policy loop: act, remember, learn, measure; for a cohort of runs.
 
 A cycle takes some environment steps in every run, all runs together, and then lets one agent after
-the other learn from its own replay. Every 800 timesteps each run is measured.
+the other learn from its own replay. Every 800 timesteps, and at its end, each run is measured. What
+raises in one run ends it alone.
 """
 
-import time
+import math
 from collections import deque
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Protocol
 
 import numpy as np
 
+from algorithms.early_end import EarlyEnd
 from algorithms.evaluation import episode_returns
-from algorithms.measurement import HISTORY, MEASURE_EVERY, Divergence, Measurement
+from algorithms.failing_rows import early_end, found
+from algorithms.measurement import HISTORY, MEASURE_EVERY, Measurement
 from algorithms.network import Shape
 from algorithms.policy import Policies, Policy
 from algorithms.replay import Replay
 from algorithms.rollout import Experience, Rollout, start_states
 from algorithms.snapshot import Snapshot
 from algorithms.state import Saved, State, part, within
+from algorithms.stopwatch import Stopwatch
 from algorithms.threads import one_thread
 from physics.environment import Environment
 
 
 class Agent(Protocol):
-    """One run's learner."""
+    """One run's learner.
+
+    Its calls raise NotFiniteQuantityError where a quantity stops being finite.
+    """
 
     seed: int
     updates: int
@@ -40,8 +47,8 @@ class Agent(Protocol):
     def remember(self, experience: Experience) -> None:
         """Take in what was lived through."""
 
-    def learn(self) -> str | None:
-        """Do a cycle's updates; return the name of a quantity that stopped being finite."""
+    def learn(self) -> None:
+        """Do a cycle's updates."""
 
     def diagnose(self, timestep: int) -> dict[str, float]:
         """Numbers that tell how learning went since the last call."""
@@ -66,6 +73,7 @@ class OffPolicyLearner:
         rollout: Rollout,
         actor_shape: Shape,
         *,
+        stopwatch: Stopwatch,
         timesteps: int,
         rollout_steps: int,
     ) -> None:
@@ -78,7 +86,7 @@ class OffPolicyLearner:
         self._timesteps = timesteps
         self._rollout_steps = rollout_steps
         self._histories = {agent.seed: deque[float](maxlen=HISTORY) for agent in agents}
-        self._seconds = {agent.seed: 0.0 for agent in agents}
+        self._stopwatch = stopwatch
         self.timestep = 0
 
     @property
@@ -96,17 +104,15 @@ class OffPolicyLearner:
         """Whether nothing is left to do."""
         return self.timestep >= self._timesteps or not self._agents
 
-    def advance(self) -> list[Measurement | Divergence]:
+    def advance(self) -> list[Measurement | EarlyEnd]:
         """Run one cycle."""
-        start, runs = time.perf_counter(), len(self._agents)
         with one_thread():
-            self._act()
-            events: list[Measurement | Divergence] = [*self._learn()]
-            measured = self._measure() if self.timestep % MEASURE_EVERY == 0 else []
-        share = (time.perf_counter() - start) / runs
-        for seed in self.seeds:
-            self._seconds[seed] += share
-        return events + [self._measurement(*each) for each in measured]
+            ends = self._act()
+            ends += self._train(lambda agent: agent.learn())
+            is_due = self.timestep % MEASURE_EVERY == 0 or self.timestep == self._timesteps
+            with self._stopwatch.aside():
+                measured = self._measure(ends) if is_due else []
+        return [*ends, *(self._measurement(*each) for each in measured)]
 
     def drop(self, seeds: Collection[int]) -> None:
         """Stop training these seeds."""
@@ -114,14 +120,15 @@ class OffPolicyLearner:
         self._agents = [self._agents[row] for row in rows]
         self._rollout.keep(rows)
         self._exploring.keep(rows)
+        self._stopwatch.keep(self.seeds)
 
     def state(self, seed: int) -> State:
         """All that the run's next bits depend on but its journal."""
         k = self.seeds.index(seed)
         own = {
             "timestep": np.array(self.timestep),
-            "seconds": np.array(self._seconds[seed]),
             "history": np.array(self._histories[seed], np.float64),
+            **self._stopwatch.costs[seed].state(),
         }
         agent, rollout = self._agents[k].state(), self._rollout.state(k)
         return own | within("agent", agent) | within("rollout", rollout)
@@ -135,63 +142,81 @@ class OffPolicyLearner:
         [self.timestep] = {int(saved[seed].state["timestep"]) for seed in self.seeds}
         for k, agent in enumerate(self._agents):
             state, journal = saved[agent.seed]
-            self._seconds[agent.seed] = float(state["seconds"])
+            self._stopwatch.costs[agent.seed].restore(state)
             self._histories[agent.seed].extend(state["history"].tolist())
             self._rollout.restore(k, part(state, "rollout"))
             agent.restore(part(state, "agent"))
-            with one_thread():
+            with one_thread(), self._stopwatch.aside():
                 agent.replay.refill(self.timestep, journal, self._rollout.work_out)
 
     def snapshot(self, seed: int) -> Snapshot:
         """What the run has learned so far."""
         return self._agents[self.seeds.index(seed)].snapshot(self.timestep)
 
-    def _act(self) -> None:
+    def _act(self) -> list[EarlyEnd]:
         """Take a cycle's steps, cut where a measurement is due."""
         due = MEASURE_EVERY - self.timestep % MEASURE_EVERY
         steps = min(self._rollout_steps, due, self._timesteps - self.timestep)
-        for k in range(len(self._agents)):
-            self._explore_anew(k)
-        experiences = self._rollout.collect(steps, self._exploring, self._explore_anew)
+        with self._stopwatch.training(self.seeds):
+            for k in range(len(self._agents)):
+                self._explore_anew(k)
+            experiences = self._rollout.collect(steps, self._exploring, self._explore_anew)
         self.timestep += steps
-        for agent, experience in zip(self._agents, experiences, strict=True):
-            agent.remember(experience)
+        lived = dict(zip(self.seeds, experiences, strict=True))
+        return self._train(lambda agent: agent.remember(found(lived[agent.seed])))
 
     def _explore_anew(self, k: int) -> None:
         self._exploring.set(k, self._agents[k].exploring_policy())
 
-    def _learn(self) -> list[Divergence]:
-        """Let every agent learn; those that diverge leave."""
-        divergences = []
-        for agent in self._agents:
-            quantity = agent.learn()
-            if quantity is not None:
-                divergences.append(
-                    Divergence(agent.seed, self.timestep, agent.updates + 1, quantity)
-                )
-        if divergences:
-            self.drop({divergence.seed for divergence in divergences})
-        return divergences
+    def _train(self, call: Callable[[Agent], None]) -> list[EarlyEnd]:
+        """Call for every agent, as its training."""
 
-    def _measure(self) -> list[tuple[Agent, float, dict[str, float]]]:
-        """Each agent with the return of an evaluation episode and its diagnostics."""
+        def timed(agent: Agent) -> None:
+            with self._stopwatch.training([agent.seed]):
+                call(agent)
+
+        return self._each(timed)
+
+    def _each(self, call: Callable[[Agent], None]) -> list[EarlyEnd]:
+        """Call for every agent; those for which it raises leave."""
+        ends = []
+        for agent in self._agents:
+            try:
+                call(agent)
+            except Exception as error:
+                ends.append(early_end(agent.seed, self.timestep, agent.updates + 1, error))
+        if ends:
+            self.drop({end.seed for end in ends})
+        return ends
+
+    def _measure(self, ends: list[EarlyEnd]) -> list[tuple[Agent, float, dict[str, float]]]:
+        """Each agent with the return of an evaluation episode and its diagnostics.
+
+        Those for which that raises leave, and their ends are added to `ends`.
+        """
         if not self._agents:
             return []
         policies = Policies([agent.policy() for agent in self._agents], self._shape)
-        index = self.timestep // MEASURE_EVERY
-        starts = start_states(
+        index = math.ceil(self.timestep / MEASURE_EVERY)
+        starts, unborn = start_states(
             self._environment, [(seed, "evaluation", index) for seed in self.seeds]
         )
-        returns = episode_returns(self._environment, policies, starts)
-        return [
-            (agent, float(value), agent.diagnose(self.timestep))
-            for agent, value in zip(self._agents, returns, strict=True)
-        ]
+        returns, failures = episode_returns(self._environment, policies, starts)
+        earned = dict(zip(self.seeds, [*returns], strict=True))
+        earned |= {self.seeds[k]: error for k, error in (failures | unborn).items()}
+        measured: list[tuple[Agent, float, dict[str, float]]] = []
+
+        def measure(agent: Agent) -> None:
+            value = float(found(earned[agent.seed]))
+            measured.append((agent, value, agent.diagnose(self.timestep)))
+
+        ends += self._each(measure)
+        return measured
 
     def _measurement(
         self, agent: Agent, return_mean: float, diagnostics: dict[str, float]
     ) -> Measurement:
-        history = self._histories[agent.seed]
+        history, cost = self._histories[agent.seed], self._stopwatch.costs[agent.seed]
         history.append(return_mean)
         return Measurement(
             seed=agent.seed,
@@ -200,6 +225,7 @@ class OffPolicyLearner:
             return_history=float(np.mean(history)),
             updates=agent.updates,
             jacobians=agent.jacobians,
-            seconds=self._seconds[agent.seed],
+            seconds=cost.seconds,
+            compile_seconds=cost.compile_seconds,
             diagnostics=diagnostics,
         )

@@ -70,16 +70,21 @@ def adam(network: Learned, gradient: Array, step: float) -> tuple[Any, Any]:
     Either is not finite if any entry is not.
     """
     theta, m, v = network.theta, network.m, network.v
-    real = theta.dtype.type
-    gradient_norm, theta_norm = real(0), real(0)
     for i in range(theta.size):
         g = gradient[i]
         m[i] += (ONE - BETA1) * (g - m[i])
         v[i] += (ONE - BETA2) * (g * g - v[i])
         theta[i] -= step * m[i] / (np.sqrt(v[i]) + EPSILON)
-        gradient_norm += g * g
-        theta_norm += theta[i] * theta[i]
-    return gradient_norm, theta_norm
+    return squared_norm(gradient), squared_norm(theta)
+
+
+@compiled_fast
+def squared_norm(vector: Array) -> Any:
+    """`|vector|^2`; a sum in a loop of its own (algorithms.losses)."""
+    total = vector.dtype.type(0)
+    for i in range(vector.size):
+        total += vector[i] * vector[i]
+    return total
 
 
 @compiled_fast

@@ -4,7 +4,8 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from algorithms.measurement import Divergence, Measurement
+from algorithms.early_end import EarlyEnd
+from algorithms.measurement import Measurement
 
 
 class Outcome:
@@ -13,28 +14,28 @@ class Outcome:
     Attributes:
         seeds: all runs, also those that were not measured yet.
         latest: by seed, its last measurement.
-        diverged: by seed, how it diverged.
+        ended: by seed, how it ended early.
     """
 
     def __init__(self, seeds: Sequence[int]) -> None:
         """Begin with nothing measured."""
         self.seeds = list(seeds)
         self.latest: dict[int, Measurement] = {}
-        self.diverged: dict[int, Divergence] = {}
+        self.ended: dict[int, EarlyEnd] = {}
 
-    def take(self, events: Iterable[Measurement | Divergence]) -> list[Measurement]:
+    def take(self, events: Iterable[Measurement | EarlyEnd]) -> list[Measurement]:
         """Take in what a learner said; return the measurements in it."""
         measured = []
         for event in events:
-            if isinstance(event, Divergence):
-                self.diverged[event.seed] = event
-            else:
+            if isinstance(event, Measurement):
                 self.latest[event.seed] = event
                 measured.append(event)
+            else:
+                self.ended[event.seed] = event
         return measured
 
     def returns(self, name: str) -> list[float]:
-        """The latest `return_mean` or `return_history` of every run measured, diverged ones too."""
+        """The latest `return_mean` or `return_history` of every run measured, ended or not."""
         return [getattr(measurement, name) for measurement in self.latest.values()]
 
     @property

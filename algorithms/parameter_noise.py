@@ -29,6 +29,8 @@ from algorithms.scaling import Scaling
 from physics.compiled import compiled_fast
 
 FACTOR = 1.1
+LARGEST_SCALE = 1e3
+"""An aim that no perturbation of a saturated actor reaches would let the scale grow without end."""
 
 
 class ParameterNoise:
@@ -56,7 +58,8 @@ class ParameterNoise:
 
     def adapt(self, distance: float) -> None:
         """Follow the distance that a perturbation of this scale made."""
-        self.scale = self.scale / FACTOR if distance > self.aim else self.scale * FACTOR
+        scale = self.scale / FACTOR if distance > self.aim else self.scale * FACTOR
+        self.scale = min(scale, LARGEST_SCALE)
 
 
 @compiled_fast

@@ -1,6 +1,7 @@
 """Presets: the settings the evaluation uses, per algorithm and task, and what chose them.
 
-A submission that names no setting gets these.
+A submission that names no setting gets these; the settings that it names stand over them. On a task
+of one's own, a hybrid has weights that hurt on none of the tasks here (`Hybrid.usual`).
 
 ddpg, sac and their hybrids: the best cell, by the area under the normalised curve, of the search in
 `service/paper/tuning.py`, over seeds that no evaluation uses. results/tuning.csv has every cell,
@@ -53,6 +54,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+NO_WEIGHTS = (0.0, 0.0)
+SMALLEST_WEIGHT, LARGEST_WEIGHT = 1e-30, 1e30
+"""Of weights other than 0: beyond, they are 0 or infinite in float32."""
+USUAL_TIMESTEPS = 40_000
+
 
 @dataclass(frozen=True)
 class Preset:
@@ -64,8 +70,8 @@ class Preset:
         config: settings other than the algorithm's defaults.
     """
 
-    weights: tuple[float, float] = (0.0, 0.0)
-    timesteps: int = 40_000
+    weights: tuple[float, float] = NO_WEIGHTS
+    timesteps: int = USUAL_TIMESTEPS
     config: Mapping[str, Any] = field(default_factory=dict)
 
 
@@ -106,9 +112,26 @@ SETTINGS: Mapping[str, Mapping[str, Mapping[str, Any]]] = {
     },
 }
 
-HYBRIDS: Mapping[str, tuple[str, Mapping[str, tuple[float, float]]]] = {
-    "hybrid-ddpg": (
+
+@dataclass(frozen=True)
+class Hybrid:
+    """What a hybrid adds to its baseline.
+
+    Attributes:
+        baseline: the learner it extends, whose settings it takes.
+        usual: its weights (w1, w2) on a task that none were chosen for.
+        chosen: its weights by task.
+    """
+
+    baseline: str
+    usual: tuple[float, float]
+    chosen: Mapping[str, tuple[float, float]]
+
+
+HYBRIDS: Mapping[str, Hybrid] = {
+    "hybrid-ddpg": Hybrid(
         "ddpg",
+        (1.0, 0.0),
         {
             "MassPoint": (1.0, 0.0),
             "CartPole": (1.0, 1.0),
@@ -120,8 +143,9 @@ HYBRIDS: Mapping[str, tuple[str, Mapping[str, tuple[float, float]]]] = {
             "HalfCheetah": (0.0, 0.01),
         },
     ),
-    "hybrid-ddpg-cosine": (
+    "hybrid-ddpg-cosine": Hybrid(
         "ddpg",
+        (0.01, 0.01),
         {
             "CartPole": (0.0, 0.01),
             "CartPoleSwingUp": (0.01, 0.0),
@@ -132,8 +156,9 @@ HYBRIDS: Mapping[str, tuple[str, Mapping[str, tuple[float, float]]]] = {
             "HalfCheetah": (0.0, 0.01),
         },
     ),
-    "hybrid-sac": (
+    "hybrid-sac": Hybrid(
         "sac",
+        (0.1, 0.0),
         {
             "CartPole": (1.0, 1.0),
             "CartPoleSwingUp": (0.1, 0.0),
@@ -143,19 +168,8 @@ HYBRIDS: Mapping[str, tuple[str, Mapping[str, tuple[float, float]]]] = {
         },
     ),
 }
-"""What each hybrid extends, and its weights (w1, w2)."""
 
-PRESETS: dict[tuple[str, str], Preset] = {
-    **{
-        (algorithm, task): Preset(timesteps=TIMESTEPS[task], config=config)
-        for algorithm, settings in SETTINGS.items()
-        for task, config in settings.items()
-    },
-    **{
-        (hybrid, task): Preset(pair, TIMESTEPS[task], SETTINGS[baseline][task])
-        for hybrid, (baseline, weights) in HYBRIDS.items()
-        for task, pair in weights.items()
-    },
+ALONE: Mapping[tuple[str, str], Preset] = {
     ("gd", "MassPoint"): Preset(timesteps=12_000, config={"rate": 0.003}),
     ("gd", "CartPole"): Preset(config={"rate": 0.003}),
     ("gd", "CartPoleSwingUp"): Preset(config={"rate": 0.0003}),
@@ -174,5 +188,23 @@ PRESETS: dict[tuple[str, str], Preset] = {
 
 
 def preset(algorithm: str, environment: str) -> Preset:
-    """The preset of an algorithm on a task, or the defaults where none was chosen."""
-    return PRESETS.get((algorithm, environment), Preset())
+    """The preset of an algorithm on a task, also on one that nothing was chosen for.
+
+    A hybrid matches gradients on every task, and has its baseline's settings and timesteps there.
+    """
+    if (algorithm, environment) in ALONE:
+        return ALONE[algorithm, environment]
+    hybrid = HYBRIDS.get(algorithm)
+    baseline = hybrid.baseline if hybrid else algorithm
+    if baseline not in SETTINGS:
+        return Preset()
+    return Preset(
+        weights=hybrid.chosen.get(environment, hybrid.usual) if hybrid else NO_WEIGHTS,
+        timesteps=TIMESTEPS.get(environment, USUAL_TIMESTEPS),
+        config=SETTINGS[baseline].get(environment, {}),
+    )
+
+
+def completed(algorithm: str, environment: str, config: Mapping[str, Any]) -> dict[str, Any]:
+    """The settings of a run: those given, over those of the preset."""
+    return {**preset(algorithm, environment).config, **config}

@@ -23,6 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from algorithms.early_end import NotFiniteQuantityError
 from algorithms.layer import Array
 from algorithms.scaling import Coordinates, Scaling, coordinate_slopes, normalise
 from algorithms.state import State
@@ -144,6 +145,17 @@ class Replay:
             "actions": self.memory.actions[rows],
             "continues": self.memory.continues[rows] > 0,
         }
+
+
+def check_finite(transitions: Memory) -> None:
+    """Refuse transitions with a NaN or an infinity, such as a reward beyond float32.
+
+    Raises:
+        NotFiniteQuantityError: naming the first field that has one.
+    """
+    for name, part in zip(Memory._fields, transitions, strict=True):
+        if not np.isfinite(part).all():
+            raise NotFiniteQuantityError(name.replace("_", " "))
 
 
 @compiled_fast

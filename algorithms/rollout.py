@@ -10,12 +10,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from algorithms.failing_rows import Failures, call_rows
 from algorithms.policy import Policies
 from algorithms.replay import Memory, empty_memory
 from algorithms.scaling import Coordinates
 from algorithms.state import State
 from algorithms.target_jacobian import fold
-from physics.environment import Environment, Transition
+from physics.environment import Environment, Linearization, Transition
 from physics.randomness import generator
 
 FloatArray = NDArray[np.float64]
@@ -29,10 +30,13 @@ class Experience(NamedTuple):
     """[steps, n]"""
 
 
-def start_states(environment: Environment, purposes: Sequence[tuple[int, str, int]]) -> FloatArray:
-    """A start state for each (seed, purpose, index)."""
-    seeds = [int(generator(*purpose).integers(2**63)) for purpose in purposes]
-    return environment.initial_states(seeds)
+def start_states(
+    environment: Environment, purposes: Sequence[tuple[int, str, int]]
+) -> tuple[FloatArray, Failures]:
+    """A start state for each (seed, purpose, index); void where drawing it failed, and how."""
+    seeds = np.array([generator(*purpose).integers(2**63) for purpose in purposes], np.int64)
+    states, failures = call_rows(environment.initial_states, seeds)
+    return np.zeros((len(seeds), environment.state_size)) if states is None else states, failures
 
 
 class Rollout:
@@ -67,7 +71,9 @@ class Rollout:
         self._seeds = list(seeds)
         self.episodes = np.zeros(len(seeds), np.int64)
         self._elapsed = np.zeros(len(seeds), np.int64)
-        self._states = start_states(environment, [(seed, "episode", 0) for seed in seeds])
+        self._states, self._failures = start_states(
+            environment, [(seed, "episode", 0) for seed in seeds]
+        )
 
     def keep(self, rows: Sequence[int]) -> None:
         """Keep these runs only."""
@@ -76,6 +82,9 @@ class Rollout:
         self.episodes = self.episodes[kept]
         self._elapsed = self._elapsed[kept]
         self._states = self._states[kept]
+        self._failures = {
+            k: self._failures[row] for k, row in enumerate(kept) if row in self._failures
+        }
 
     def state(self, k: int) -> State:
         """Where run k is in which of its episodes."""
@@ -97,7 +106,8 @@ class Rollout:
         lived = self._empty(len(states))
         lived.features[:] = self._environment.features(states)
         lived.actions[:] = actions
-        transition = self._transition(states, actions.astype(np.float64), slice(None), lived)
+        steps = self._advance(states, actions.astype(np.float64))
+        transition = self._note(steps, slice(None), lived)
         lived.rewards[:] = transition.reward
         lived.next_features[:] = self._environment.features(transition.next_state)
         lived.continues[:] = journal["continues"]
@@ -105,8 +115,11 @@ class Rollout:
 
     def collect(
         self, steps: int, policies: Policies, begin: Callable[[int], None]
-    ) -> list[Experience]:
-        """Take `steps` steps in every run; call `begin(k)` whenever run k begins an episode."""
+    ) -> list[Experience | Exception]:
+        """Take `steps` steps in every run; call `begin(k)` whenever run k begins an episode.
+
+        A run in which something raises has no experience but that error, now and later.
+        """
         environment, runs = self._environment, len(self._seeds)
         taken = self._empty(steps * runs)
         states = np.empty((steps * runs, environment.state_size))
@@ -115,27 +128,44 @@ class Rollout:
             rows = slice(step * runs, (step + 1) * runs)
             actions = policies.act(features)
             states[rows] = self._states
-            taken.features[rows] = features
+            with np.errstate(over="ignore"):
+                taken.features[rows] = features
             taken.actions[rows] = actions
-            features = self._step(actions, rows, taken, begin)
+            steps_taken, failed = call_rows(self._advance, self._states, actions)
+            self._failures = failed | self._failures
+            if steps_taken is None:
+                break
+            features = self._go_on(steps_taken, rows, taken, begin)
         return [
-            Experience(Memory(*(part[k::runs] for part in taken)), states[k::runs])
+            self._failures.get(k)
+            or Experience(Memory(*(part[k::runs] for part in taken)), states[k::runs])
             for k in range(runs)
         ]
 
-    def _step(
-        self, actions: FloatArray, rows: slice, taken: Memory, begin: Callable[[int], None]
+    def _advance(self, states: FloatArray, actions: FloatArray) -> Transition | Linearization:
+        """Step the states, with the derivatives where they are wanted."""
+        if self._linearized:
+            return self._environment.differentiate(states, actions)
+        return self._environment.step(states, actions)
+
+    def _go_on(
+        self,
+        steps: Transition | Linearization,
+        rows: slice,
+        taken: Memory,
+        begin: Callable[[int], None],
     ) -> FloatArray:
-        """Take one step, note it in `rows` of `taken`, and return the features to act on next."""
+        """Note a step of every run in `rows` of `taken`; return the features to act on next."""
         environment = self._environment
-        transition = self._transition(self._states, actions, rows, taken)
+        transition = self._note(steps, rows, taken)
         self._elapsed += 1
         ended = transition.terminated
         out_of_time = self._elapsed >= environment.horizon
         final = ended | out_of_time if self._time_limit_is_terminal else ended
         features = environment.features(transition.next_state)
-        taken.rewards[rows] = transition.reward
-        taken.next_features[rows] = features
+        with np.errstate(over="ignore"):  # beyond float32: `algorithms.replay.check_finite` says so
+            taken.rewards[rows] = transition.reward
+            taken.next_features[rows] = features
         taken.continues[rows] = ~final
         self._states = transition.next_state
         over = ended | out_of_time
@@ -144,17 +174,14 @@ class Rollout:
             features = environment.features(self._states)
         return features
 
-    def _transition(
-        self, states: FloatArray, actions: FloatArray, rows: slice, taken: Memory
-    ) -> Transition:
-        """Step the states, and note the derivatives in `rows` of `taken` where they are wanted."""
-        if not self._linearized:
-            return self._environment.step(states, actions)
-        linearization = self._environment.differentiate(states, actions)
-        rewards, jacobians = fold(self._environment, self._coordinates, linearization)
+    def _note(self, steps: Transition | Linearization, rows: slice, taken: Memory) -> Transition:
+        """Note the derivatives, if there are any, in `rows` of `taken`; return the transition."""
+        if isinstance(steps, Transition):
+            return steps
+        rewards, jacobians = fold(self._environment, self._coordinates, steps)
         taken.reward_gradients[rows] = rewards
         taken.jacobians[rows] = jacobians
-        return linearization.transition
+        return steps.transition
 
     def _empty(self, rows: int) -> Memory:
         return empty_memory(rows, self._environment, self._coordinates, linearized=self._linearized)
@@ -164,5 +191,7 @@ class Rollout:
             self.episodes[k] += 1
             self._elapsed[k] = 0
             purpose = (self._seeds[k], "episode", int(self.episodes[k]))
-            self._states[k] = start_states(self._environment, [purpose])[0]
+            [self._states[k]], failed = start_states(self._environment, [purpose])
+            for error in failed.values():
+                self._failures.setdefault(k, error)
             begin(k)

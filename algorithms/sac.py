@@ -33,15 +33,17 @@ import numpy as np
 
 from algorithms import network
 from algorithms.diagnostics import UpdateMeans, agreement, with_derivatives
+from algorithms.early_end import NotFiniteQuantityError
 from algorithms.losses import Matching, is_matched, matching_of
 from algorithms.network import Shape
 from algorithms.off_policy import OffPolicyLearner
 from algorithms.optimizer import learned, learned_alone
 from algorithms.policy import Policy
-from algorithms.replay import Replay, empty_memory
+from algorithms.replay import Replay, check_finite, empty_memory
 from algorithms.rollout import Experience, Rollout
 from algorithms.sac_config import SACConfig
 from algorithms.sac_update import (
+    QUANTITIES,
     Networks,
     Rates,
     Report,
@@ -53,7 +55,8 @@ from algorithms.sac_update import (
 from algorithms.scaling import Coordinates, Statistics, coordinates_of
 from algorithms.snapshot import Critic, Snapshot
 from algorithms.state import State, part, within
-from algorithms.value_scale import move_value_scale
+from algorithms.stopwatch import Cost, Stopwatch
+from algorithms.value_scale import move_value_scale, rewrite_fit
 from physics.environment import Environment
 from physics.randomness import generator
 
@@ -127,31 +130,29 @@ class SACAgent:
     def remember(self, experience: Experience) -> None:
         """Store the transitions and take in their features."""
         transitions, c = experience.transitions, self._config.reward_scale
+        check_finite(transitions)
         self._statistics.observe(np.ascontiguousarray(transitions.features))
-        if not self.replay.size:
-            rewards = transitions.rewards
-            self._statistics.set_value_scale(c * float(rewards.mean()), c * float(rewards.std()))
+        self._statistics.observe_rewards(c * transitions.rewards.astype(np.float64))
         self.replay.extend(transitions, experience.states)
         self.jacobians += len(experience.states) if self._matched else 0
 
-    def learn(self) -> str | None:
+    def learn(self) -> None:
         """Update all networks, move the unit of V and Q."""
         count, batch = self._config.cycle_updates, self._config.batch_size
         draws = generator(self.seed, "batches", self.updates)
         indices = draws.integers(self.replay.size, size=(count, batch))
         noise = draws.standard_normal((count, batch, self._environment.action_size), np.float32)
         report = empty_report(count)
-        done = update(
+        done, lost = update(
             self._networks, self.updates, self.replay.memory, indices, noise,
             self._coordinates, self._statistics.scaling(), self._rates, self._matching,
             self._shapes, report,
         )  # fmt: skip
         self.updates += done
-        if done < count:
-            return "loss" if np.isnan(report.critic_loss[done]) else "parameters"
+        if lost >= 0:
+            raise NotFiniteQuantityError(QUANTITIES[lost])
         self._move_value_scale(report)
         self._means.add(report)
-        return None
 
     def diagnose(self, timestep: int) -> dict[str, float]:
         """The means of the updates since the last call, and how well gradients fit.
@@ -225,13 +226,12 @@ class SACAgent:
 
     def _move_value_scale(self, report: Report) -> None:
         """Set the unit of V and Q to the cycle's targets, leaving them as they are."""
-        value, critics = self._networks.value, self._networks.critics
-        networks = [
-            network.parameters(theta, self._shapes.value) for theta in (value.theta, value.target)
-        ] + [network.parameters(critic.theta, self._shapes.critic) for critic in critics]
-        move_value_scale(
-            self._statistics, report.target_mean.mean(), report.target_square.mean(), networks
+        change = move_value_scale(
+            self._statistics, report.target_mean.mean(), report.target_square.mean()
         )
+        rewrite_fit(self._networks.value, self._shapes.value, change)
+        for critic in self._networks.critics:
+            rewrite_fit(critic, self._shapes.critic, change)
 
 
 def shapes_of(environment: Environment, config: SACConfig) -> Shapes:
@@ -265,14 +265,16 @@ def build(
     """A cohort of SAC runs; with weights other than 0, of its hybrid."""
     coordinates = coordinates_of(environment)
     matching = matching_of(weights, by_cosine=False)
-    agents = [
-        SACAgent(environment, coordinates, seed, matching, timesteps, config) for seed in seeds
-    ]
-    rollout = Rollout(
-        environment, coordinates, seeds,
-        linearized=is_matched(matching), time_limit_is_terminal=False,
-    )  # fmt: skip
+    stopwatch = Stopwatch({seed: Cost() for seed in seeds})
+    with stopwatch.aside():
+        agents = [
+            SACAgent(environment, coordinates, seed, matching, timesteps, config) for seed in seeds
+        ]
+        rollout = Rollout(
+            environment, coordinates, seeds,
+            linearized=is_matched(matching), time_limit_is_terminal=False,
+        )  # fmt: skip
     return OffPolicyLearner(
         environment, agents, rollout, agents[0]._shapes.policy,
-        timesteps=timesteps, rollout_steps=config.rollout_steps,
+        stopwatch=stopwatch, timesteps=timesteps, rollout_steps=config.rollout_steps,
     )  # fmt: skip

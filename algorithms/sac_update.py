@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from algorithms import critic, gaussian, losses, network, optimizer, replay, soft_bellman
+from algorithms import critic, finite, gaussian, losses, network, optimizer, replay, soft_bellman
 from algorithms.critic import CriticWork
 from algorithms.layer import Array
 from algorithms.losses import Matching
@@ -25,6 +25,19 @@ from algorithms.replay import Batch, Memory
 from algorithms.scaling import Coordinates, Scaling
 from algorithms.state import State, part, within
 from physics.compiled import compiled_fast
+
+QUANTITIES = (
+    "critic loss",
+    "gradient loss",
+    "value loss",
+    "critic gradient",
+    "value gradient",
+    "actor gradient",
+    "critic parameters",
+    "value parameters",
+    "actor parameters",
+)
+"""What an update looks at, in this order, to see whether the run diverges."""
 
 
 class Rates(NamedTuple):
@@ -144,13 +157,13 @@ def update(
     matching: Matching,
     shapes: Shapes,
     report: Report,
-) -> int:
+) -> tuple[int, int]:
     """Update on the batches `indices [U, B]`, `done` updates having been done before.
 
     `noise [U, B, m]` is what actions are sampled with.
 
     Returns:
-        How many of the U updates were done: fewer if a loss or a parameter stopped being finite.
+        As `algorithms.ddpg_update.update`.
     """
     work = new_work(memory, networks, indices.shape[1], shapes)
     for u in range(indices.shape[0]):
@@ -164,19 +177,24 @@ def update(
         improve_policy(networks, noise[u], scaling, work, shapes)
         report.value_loss[u] = fit_value(networks.value, work, shapes)
         describe(work, report, u)
-        policy_norm, size = optimizer.adam(networks.policy, work.policy_gradient, step)
+        policy_norm, policy_size = optimizer.adam(networks.policy, work.policy_gradient, step)
         report.actor_gradient_norm[u] = np.sqrt(policy_norm)
         value_norm, value_size = optimizer.adam(networks.value, work.value_gradient, step)
         report.value_gradient_norm[u] = np.sqrt(value_norm)
-        size += value_size
+        critic_size = work.log_pi.dtype.type(0)
         for learned in networks.critics:
-            size += fit_critic(
+            critic_size += fit_critic(
                 learned, coordinates, scaling, matching, step, work, shapes, report, u
             )
         optimizer.follow(networks.value, rates.tau)
-        if not np.isfinite(policy_norm + value_norm + size):
-            return u
-    return int(indices.shape[0])
+        lost = finite.first_not_finite((
+            report.critic_loss[u], report.gradient_loss[u], report.value_loss[u],
+            report.critic_gradient_norm[u], value_norm, policy_norm,
+            critic_size, value_size, policy_size,
+        ))  # fmt: skip
+        if lost >= 0:
+            return u, lost
+    return int(indices.shape[0]), -1
 
 
 @compiled_fast
@@ -243,7 +261,7 @@ def fit_critic(
     report: Report,
     u: int,
 ) -> Any:
-    """Step one critic, add half of what it saw to the report; return a size that must be finite."""
+    """Step one critic, add half of what it saw to the report; return its squared norm."""
     half = gaussian.HALF
     q = network.parameters(learned.theta, shapes.critic)
     result = network.parameters(work.fit.theta_gradient, shapes.critic)
@@ -259,7 +277,7 @@ def fit_critic(
     report.q_mean[u] += half * (scaling.value_mean + scaling.value_std * q_mean)
     norm, size = optimizer.adam(learned, work.fit.theta_gradient, step)
     report.critic_gradient_norm[u] += half * np.sqrt(norm)
-    return norm + size
+    return size
 
 
 @compiled_fast

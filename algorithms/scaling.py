@@ -4,8 +4,20 @@
     Qhat   = (Q - mean_Q) / std_Q                         the critic's output
     shat_j = s_j / std_j                                  coordinates, for gradients only
 
-All means and standard deviations are estimated from what the replay holds. A gradient with respect
-to the normalised coordinates, of a quantity whose gradient in normalised features is g, is
+Means and standard deviations of features are those of all states the run has seen, also of those
+that its replay has given up. `mean_Q` and `std_Q`, the unit of Q, start at the first rewards that
+are not 0, as
+
+    mean_Q = mean(r),   std_Q = max(std(r), |mean(r)|)
+
+so that rewards which hardly vary, such as Acrobot's -1 a step, do not make the first targets
+enormous. They then follow the targets (algorithms.value_scale). `std_Q` is never lower than the
+root mean square of all rewards so far: the targets of a constant reward come to be nearly constant,
+which would make the unit vanish and the first other reward enormous. So rewards multiplied by a
+constant are learned from alike, but for rounding.
+
+A gradient with respect to the normalised coordinates, of a quantity whose gradient in normalised
+features is g, is
 
     sum over features i of coordinate j:   g_i  std_j / std_i  slope_i        (0 where clipped)
 
@@ -29,7 +41,6 @@ from physics.environment import Environment
 
 CLIP = np.float32(5)
 STD_FLOOR = 1e-3
-VALUE_STD_FLOOR = 1e-3
 
 
 class Coordinates(NamedTuple):
@@ -79,7 +90,9 @@ class Statistics:
     Attributes:
         count: how many states were seen.
         mean, squares: float64 [F], mean and sum of squared deviations of the features.
-        value_mean, value_std: of the critic's targets.
+        reward_count, reward_sum, reward_squares: how many rewards were seen, their sum, and that of
+            their squares.
+        value_mean, value_std: the unit of Q; 0 and 1 until a reward other than 0 was seen.
     """
 
     def __init__(self, coordinates: Coordinates, action_size: int) -> None:
@@ -90,16 +103,39 @@ class Statistics:
         self.count = 0
         self.mean = np.zeros(size)
         self.squares = np.zeros(size)
+        self.reward_count = 0
+        self.reward_sum = 0.0
+        self.reward_squares = 0.0
         self.value_mean = 0.0
         self.value_std = 1.0
+
+    @property
+    def has_unit(self) -> bool:
+        """Whether rewards have shown what the unit of Q is."""
+        return self.reward_squares > 0
 
     def observe(self, features: NDArray[np.float32]) -> None:
         """Take in states' features [b, F]."""
         self.count = observe_rows(features, self.count, self.mean, self.squares)
 
+    def observe_rewards(self, rewards: NDArray[np.float64]) -> None:
+        """Take in rewards [b]; the first that are not all 0 set the unit of Q."""
+        had_unit = self.has_unit
+        self.reward_count += len(rewards)
+        self.reward_sum += float(rewards.sum())
+        self.reward_squares += float(np.square(rewards).sum())
+        if self.has_unit and not had_unit:
+            mean, square = self.reward_sum / self.reward_count, self._reward_square
+            std = np.sqrt(max(square - mean**2, 0.0))
+            self.value_mean, self.value_std = mean, float(max(std, abs(mean)))
+
     def set_value_scale(self, mean: float, std: float) -> None:
-        """Set the critic's output unit."""
-        self.value_mean, self.value_std = mean, max(std, VALUE_STD_FLOOR)
+        """Set the unit of Q, its standard deviation no lower than the rewards' size."""
+        self.value_mean, self.value_std = mean, max(std, float(np.sqrt(self._reward_square)))
+
+    @property
+    def _reward_square(self) -> float:
+        return self.reward_squares / max(self.reward_count, 1)
 
     def state(self) -> State:
         """What has been seen and the scale of Q."""
@@ -107,6 +143,7 @@ class Statistics:
             "count": np.array(self.count),
             "mean": self.mean,
             "squares": self.squares,
+            "rewards": np.array([self.reward_count, self.reward_sum, self.reward_squares]),
             "value_mean": np.array(self.value_mean),
             "value_std": np.array(self.value_std),
         }
@@ -116,6 +153,8 @@ class Statistics:
         self.count = int(state["count"])
         fill(self.mean, state["mean"])
         fill(self.squares, state["squares"])
+        count, self.reward_sum, self.reward_squares = state["rewards"].tolist()
+        self.reward_count = int(count)
         self.value_mean = float(state["value_mean"])
         self.value_std = float(state["value_std"])
 

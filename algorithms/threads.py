@@ -1,9 +1,13 @@
-"""Threads: the BLAS behind the compiled products runs on one, whoever else uses it.
+"""Threads: what multiplies matrices runs on one, whoever else uses it.
 
-A product's bits may depend on the number of threads, and a worker has one core.
+A product's bits may depend on the number of threads, a worker has one core, and a run's seconds are
+those of one thread. That is the BLAS behind the compiled products, and torch, behind tasks that are
+written in it.
 """
 
-from contextlib import AbstractContextManager
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import scipy.linalg.cython_blas  # noqa: F401  (loads the BLAS that numba's np.dot calls)
 from threadpoolctl import ThreadpoolController
@@ -11,7 +15,23 @@ from threadpoolctl import ThreadpoolController
 _LIBRARIES = ThreadpoolController()
 
 
-def one_thread() -> AbstractContextManager[object]:
+@contextmanager
+def one_thread() -> Iterator[None]:
     """Within this context, linear algebra uses one thread."""
-    context: AbstractContextManager[object] = _LIBRARIES.limit(limits=1, user_api="blas")
-    return context
+    with _LIBRARIES.limit(limits=1, user_api="blas"), _one_torch_thread():
+        yield
+
+
+@contextmanager
+def _one_torch_thread() -> Iterator[None]:
+    """The same for torch, where it has been loaded: a task of numba alone does without."""
+    torch = sys.modules.get("torch")
+    if torch is None:
+        yield
+        return
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(threads)

@@ -4,17 +4,19 @@ for m in train("hybrid-ddpg", "Pendulum", seeds=range(16), timesteps=20_000):
     print(m.seed, m.timestep, m.return_mean)
 """
 
-import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
+from operator import index
 from typing import Any
 
 import physics
 from algorithms import catalogue
 from algorithms.catalogue import Algorithm
+from algorithms.early_end import DivergedError, Divergence, FailedRunsError, Failure
 from algorithms.learner import Learner
-from algorithms.measurement import DivergedError, Divergence, Measurement
-from algorithms.presets import preset
+from algorithms.measurement import Measurement
+from algorithms.presets import HYBRIDS, LARGEST_WEIGHT, SMALLEST_WEIGHT, completed, preset
 from physics.compile_notice import noticed
 from physics.environment import Environment
 
@@ -22,7 +24,7 @@ from physics.environment import Environment
 def train(
     algorithm: str,
     environment: str,
-    seeds: Sequence[int],
+    seeds: Iterable[int],
     weights: tuple[float, float] | None = None,
     timesteps: int | None = None,
     config: Mapping[str, Any] | None = None,
@@ -32,14 +34,17 @@ def train(
     Args:
         algorithm: a name of `algorithms.names()`.
         environment: a name of `physics.names()`.
-        seeds: one run each, all different, from 0 on.
-        weights: (w1, w2), of the action and state gradient terms; None: the preset's.
+        seeds: one run each, all different, from 0 on; a sequence or an array of integers.
+        weights: (w1, w2), of the action and state gradient terms; None: the preset's. A hybrid with
+            (0, 0) is its baseline, bit for bit, and a warning says so.
         timesteps: environment steps of each run; None: the preset's.
-        config: settings other than the algorithm's defaults; None: the preset's.
+        config: settings that stand over those of the preset; what neither names is the algorithm's
+            default.
 
     Raises:
         ValueError: for an unknown name or a bad value; it says what was expected.
         DivergedError: at the end, if any run diverged; the others were trained to their end.
+        FailedRunsError: at the end, if code raised in any run; so were the others.
 
     The first use on a machine compiles kernels for some seconds, and says so on stderr.
     """
@@ -50,19 +55,25 @@ def train(
 def _measurements(
     algorithm: str,
     environment: str,
-    seeds: Sequence[int],
+    seeds: Iterable[int],
     weights: tuple[float, float] | None,
     timesteps: int | None,
     config: Mapping[str, Any] | None,
 ) -> Iterator[Measurement]:
     learner = build(algorithm, environment, seeds, weights, timesteps, config)
-    divergences = []
+    divergences: list[Divergence] = []
+    failures: list[Failure] = []
     while not learner.finished:
         for event in learner.advance():
-            if isinstance(event, Divergence):
-                divergences.append(event)
-            else:
-                yield event
+            match event:
+                case Measurement():
+                    yield event
+                case Divergence():
+                    divergences.append(event)
+                case Failure():
+                    failures.append(event)
+    if failures:
+        raise FailedRunsError(failures, divergences)
     if divergences:
         raise DivergedError(divergences)
 
@@ -70,7 +81,7 @@ def _measurements(
 def build(
     algorithm: str,
     environment: str,
-    seeds: Sequence[int],
+    seeds: Iterable[int],
     weights: tuple[float, float] | None = None,
     timesteps: int | None = None,
     config: Mapping[str, Any] | None = None,
@@ -82,7 +93,7 @@ def build(
 def prepare(
     algorithm: str,
     environment: str,
-    seeds: Sequence[int],
+    seeds: Iterable[int],
     weights: tuple[float, float] | None = None,
     timesteps: int | None = None,
     config: Mapping[str, Any] | None = None,
@@ -92,10 +103,17 @@ def prepare(
     usual = preset(algorithm, environment)
     steps = usual.timesteps if timesteps is None else timesteps
     pair = usual.weights if weights is None else weights
-    settings = chosen.config_class()(**(usual.config if config is None else config))
+    settings = chosen.config_class()(**completed(algorithm, environment, config or {}))
     check_pair(chosen, task)
-    check_numbers(chosen, seeds, pair, steps)
-    return partial(chosen.load(), task, list(seeds), pair, steps, settings)
+    numbers, steps = seed_numbers(seeds), step_number(steps)
+    check_weights(chosen, pair)
+    if is_baseline(algorithm, pair):
+        baseline = HYBRIDS[algorithm].baseline
+        warnings.warn(
+            f"{algorithm} with weights (0, 0) matches no gradients: it is {baseline}, bit for bit",
+            stacklevel=2,
+        )
+    return partial(chosen.load(), task, numbers, pair, steps, settings)
 
 
 def check_pair(algorithm: Algorithm, environment: Environment) -> None:
@@ -107,15 +125,41 @@ def check_pair(algorithm: Algorithm, environment: Environment) -> None:
         )
 
 
-def check_numbers(
-    algorithm: Algorithm, seeds: Sequence[int], weights: tuple[float, float], timesteps: int
-) -> None:
-    """Refuse numbers out of range, by name."""
-    if not seeds or len(set(seeds)) < len(seeds) or min(seeds) < 0:
-        raise ValueError(f"seeds must be different integers from 0 on, not {list(seeds)}")
-    if len(weights) != 2 or not all(math.isfinite(w) and w >= 0 for w in weights):
-        raise ValueError(f"weights must be two finite numbers from 0 on, not {weights}")
+def seed_numbers(seeds: Iterable[int]) -> list[int]:
+    """The seeds as plain integers; refuse others, by name."""
+    try:
+        numbers = [index(seed) for seed in seeds]
+    except TypeError:
+        numbers = []
+    if not numbers or len(set(numbers)) < len(numbers) or min(numbers) < 0:
+        raise ValueError(f"seeds must be different integers from 0 on, not {seeds!r}")
+    return numbers
+
+
+def step_number(timesteps: int) -> int:
+    """The timesteps as a plain integer; refuse others, by name."""
+    try:
+        number = index(timesteps)
+    except TypeError:
+        number = 0
+    if number < 1:
+        raise ValueError(f"timesteps must be an integer from 1 on, not {timesteps!r}")
+    return number
+
+
+def check_weights(algorithm: Algorithm, weights: tuple[float, float]) -> None:
+    """Refuse weights out of range, by name."""
+    if len(weights) != 2 or not all(
+        w == 0 or SMALLEST_WEIGHT <= w <= LARGEST_WEIGHT for w in weights
+    ):
+        raise ValueError(
+            f"weights must be two numbers, each 0 or from {SMALLEST_WEIGHT} to {LARGEST_WEIGHT}, "
+            f"not {weights}"
+        )
     if not algorithm.uses_weights and any(weights):
         raise ValueError(f"{algorithm.name} takes no weights, but got {weights}: give (0, 0)")
-    if timesteps < 1:
-        raise ValueError(f"timesteps must be at least 1, not {timesteps}")
+
+
+def is_baseline(algorithm: str, weights: tuple[float, float]) -> bool:
+    """Whether an algorithm with these weights is a hybrid that matches nothing."""
+    return algorithm in HYBRIDS and not any(weights)

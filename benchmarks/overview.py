@@ -154,7 +154,7 @@ def measured(spec: RunSpec) -> Iterator[Measurement]:
         diagnostics = {"critic_loss": abs(value), "action_gradient_cosine": value / 2000}
         yield Measurement(
             spec.seed, timestep, value, history, timestep // 2, timestep, timestep / 1e4,
-            diagnostics,
+            diagnostics, 0.25,
         )  # fmt: skip
 
 

@@ -101,7 +101,7 @@ def messages(seeds: Sequence[int]) -> list[Progress]:
 def point(seed: int, timestep: int) -> Measurement:
     values = dict.fromkeys(DIAGNOSTICS, timestep / 7)
     return Measurement(
-        seed, timestep, -timestep / 3, -timestep / 9, timestep // 2, 3 * timestep, 1.0, values
+        seed, timestep, -timestep / 3, -timestep / 9, timestep // 2, 3 * timestep, 1.0, values, 0.25
     )
 
 
@@ -126,10 +126,11 @@ def plain_rate(url: str, place: int) -> float:
                 f"CREATE TABLE plain_{place} (run BIGINT, timestep BIGINT, mean DOUBLE PRECISION, "
                 "history DOUBLE PRECISION, updates BIGINT, jacobians BIGINT, "
                 f"seconds DOUBLE PRECISION, names BIGINT, packed {binary}, "
+                "compile_seconds DOUBLE PRECISION, "
                 "PRIMARY KEY (run, timestep))"
             )
         taken = messages(range(COHORT_LIMIT))
-        insert = f"INSERT INTO plain_{place} VALUES ({', '.join([mark] * 9)})"  # noqa: S608
+        insert = f"INSERT INTO plain_{place} VALUES ({', '.join([mark] * 10)})"  # noqa: S608
         begun = time.perf_counter()
         for progress in taken:
             with engine.begin() as connection:
@@ -142,7 +143,7 @@ def plain_rate(url: str, place: int) -> float:
 def plain_row(m: Measurement) -> tuple[Any, ...]:
     packed = diagnostics.pack(m.diagnostics)
     return (m.seed, m.timestep, m.return_mean, m.return_history, m.updates, m.jacobians,
-            m.seconds, 1, packed)  # fmt: skip
+            m.seconds, 1, packed, m.compile_seconds)  # fmt: skip
 
 
 def count(taken: list[Progress]) -> int:

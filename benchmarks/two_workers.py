@@ -2,8 +2,8 @@
 
 16 seeds of hybrid-ddpg on Pendulum by `workers/execute.py`, in one process alone and then in two at
 once, each on one thread, with warm kernels. What counts is updates of all seeds together a second,
-from the first measurement to the last by the learner's own clock: loading, compiling and writing
-checkpoints are not in it.
+by the clock on the wall, from the first news of measurements to the last: loading and compiling are
+not in it.
 
     python -m benchmarks.two_workers [TIMESTEPS]
 """
@@ -11,17 +11,18 @@ checkpoints are not in it.
 import multiprocessing
 import sys
 import tempfile
+import time
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing.synchronize import Barrier
 from pathlib import Path
 
-from algorithms.measurement import Measurement
 from workers.assignment import Assignment
 from workers.execute import execute
 from workers.run_spec import COHORT_LIMIT, RunSpec
 
 TIMESTEPS = 20_000
 ROUNDS = 3
+NEWS_SECONDS = 0.05
 WEIGHTS = (0.1, 0.1)
 
 _start: Barrier | None = None  # of a process
@@ -61,13 +62,12 @@ def train(timesteps: int) -> float:
     assert _start is not None
     _start.wait()
     with tempfile.TemporaryDirectory() as folder:
-        told = list(execute(runs, Path(folder), tuple, abandoned))
-    by_seed: dict[int, list[Measurement]] = {}
-    for measurement in (m for progress in told for m in progress.measurements):
-        by_seed.setdefault(measurement.seed, []).append(measurement)
-    updates = sum(points[-1].updates - points[0].updates for points in by_seed.values())
-    seconds = sum(points[-1].seconds - points[0].seconds for points in by_seed.values())
-    return updates / seconds
+        told = execute(runs, Path(folder), tuple, abandoned, report_seconds=NEWS_SECONDS)
+        news = [(time.perf_counter(), progress.measurements) for progress in told]
+    (begun, first), *_, (ended, last) = [each for each in news if each[1]]
+    updates = {m.seed: m.updates for m in last}
+    before = {m.seed: m.updates for m in first}
+    return sum(updates[seed] - before[seed] for seed in updates) / (ended - begun)
 
 
 def abandoned() -> None:

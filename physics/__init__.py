@@ -1,11 +1,14 @@
 """The tasks: exact simulators, their derivatives, their Gymnasium face.
 
 `make`, `names`, `compile_kernels` and `torch_step` are loaded when first asked for (PEP 562), so
-that `import physics` alone loads neither torch nor numba.
+that `import physics` alone loads neither torch nor numba. Gymnasium is told of the tasks when
+someone imports it, before or after this package.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
+
+from physics.import_watch import when_imported
 
 if TYPE_CHECKING:
     from physics.autograd import torch_step
@@ -29,3 +32,11 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return sorted([*globals(), *__all__])
+
+
+def _register_with_gymnasium() -> None:
+    """Load what knows Gymnasium, and let it register the tasks."""
+    import_module("physics.gymnasium_registration").register()
+
+
+when_imported("gymnasium", _register_with_gymnasium)

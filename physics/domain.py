@@ -33,7 +33,20 @@ class RowsError(ValueError):
 
 
 class NotFiniteError(RowsError):
-    """A NaN or an infinity in what a step was given, or in what came out of it."""
+    """A NaN or an infinity in what a step was given, or in what came out of it.
+
+    Attributes:
+        rows: which ones.
+        quantity: what is not finite in the first of them, such as "next state".
+    """
+
+    def __init__(
+        self, message: str, rows: Sequence[int] | NDArray[np.int64], quantity: str
+    ) -> None:
+        """Blame rows of a batch."""
+        super().__init__(message, rows)
+        self.quantity = quantity
+        self.args = (*self.args, quantity)
 
 
 class DomainError(RowsError):
@@ -82,6 +95,7 @@ class Domain:
                 f"{self._task}: states and actions must be finite, but row {row} has "
                 f"state {states[row].tolist()}, action {actions[row].tolist()}",
                 np.flatnonzero(~finite),
+                "action" if np.isfinite(states[row]).all() else "state",
             )
         within = (f"{low:.6g} <= s[{i}] <= {high:.6g}" for i, (low, high) in self._bounds.items())
         raise self.error(states, self.outside(states), " and ".join(within))

@@ -59,10 +59,14 @@ class Drawing:
         return {"view": list(self.view), "shapes": shapes}
 
     def rgb_array(self, width: int = 480) -> NDArray[np.uint8]:
-        """The drawing as an image [height, width, 3], of the view's proportions."""
+        """The drawing as an image [height, width, 3], of the view's proportions.
+
+        The height is even, and so should the width be: video codecs ask for it. Frames of a view
+        that moves along have one height, though the view's size is its size to rounding only.
+        """
         left, bottom, right, top = self.view
         pixel = (right - left) / width
-        height = round((top - bottom) / pixel)
+        height = 2 * round(round((top - bottom) / (2.0 * pixel), 6))
         x = left + pixel * (np.arange(width) + 0.5)
         y = top - pixel * (np.arange(height) + 0.5)
         image = np.broadcast_to(np.array(_BACKGROUND, float), (height, width, 3)).copy()

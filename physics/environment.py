@@ -299,6 +299,7 @@ class Environment(metaclass=CheckedWhenMade):
             f"{self.name}: {name}{place or ''} of row {row} is {value}, "
             f"for state {states[row].tolist()}, action {actions[row].tolist()}",
             rows,
+            name.replace("_", " "),
         )
 
     def _checked(self, states: FloatArray, actions: FloatArray) -> tuple[FloatArray, FloatArray]:

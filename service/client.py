@@ -17,6 +17,7 @@ import io
 import os
 import time
 import uuid
+import warnings
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from types import TracebackType
@@ -53,6 +54,10 @@ class ServiceError(Exception):
         """`status` is the HTTP status, None where no answer came."""
         super().__init__(message)
         self.status = status
+
+
+class SubmissionNotice(UserWarning):
+    """A submitted sweep holds something that its author may not have meant."""
 
 
 def find_token() -> str:
@@ -115,6 +120,7 @@ class Client:
 
         `key` is a text of your own: whoever submits again under it gets the same sweep. Left out,
         each call is a sweep of its own. An answer that was lost on the way is asked for once more.
+        What the service has to remark (`notices` of the answer) is a warning, `SubmissionNotice`.
         """
         body, headers = as_json(request), {"Idempotency-Key": key or uuid.uuid4().hex}
         try:
@@ -123,7 +129,10 @@ class Client:
             if error.status is not None or isinstance(error.__cause__, httpx2.ConnectError):
                 raise
             posted = self._call("POST", "/sweeps", json=body, headers=headers)
-        return SweepAnswer.model_validate_json(posted.content)
+        sweep = SweepAnswer.model_validate_json(posted.content)
+        for notice in sweep.notices:
+            warnings.warn(notice, SubmissionNotice, stacklevel=2)
+        return sweep
 
     def estimate(self, request: Request) -> DryRunAnswer:
         """What `submit` would queue, and about what it would cost, without queueing it."""
@@ -176,12 +185,12 @@ class Client:
         return self._get(CurvesAnswer, f"/sweeps/{sweep_id}/curves", **options)
 
     def table(self, sweep_id: str, **options: Option) -> ScoreTableAnswer:
-        """What every algorithm reached in every task; options as in `GET /sweeps/{id}/table`."""
+        """What every entry reached in every task; options as in `GET /sweeps/{id}/table`."""
         return self._get(ScoreTableAnswer, f"/sweeps/{sweep_id}/table", **options)
 
-    def statistics(self, sweep_id: str) -> StatisticsAnswer:
-        """What a sweep says of its algorithms over all tasks, with intervals."""
-        return self._get(StatisticsAnswer, f"/sweeps/{sweep_id}/statistics")
+    def statistics(self, sweep_id: str, **options: Option) -> StatisticsAnswer:
+        """What a sweep says of its entries over all tasks; options as in the REST call."""
+        return self._get(StatisticsAnswer, f"/sweeps/{sweep_id}/statistics", **options)
 
     def table_text(
         self, sweep_id: str, form: Literal["csv", "markdown", "latex"], **options: Option

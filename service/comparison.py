@@ -1,4 +1,4 @@
-"""A sweep as its figure: a panel per environment, in it a curve per algorithm and its settings.
+"""A sweep as its figure: a panel per environment, in it a curve per entry of the request.
 
 Normalised return = (return - random) / (max_reward horizon - random), where random is the mean
 return of uniform random actions: 0 acts at random, 1 is out of reach or perfect. While random has
@@ -12,9 +12,11 @@ from typing import Literal, TypeVar
 import numpy as np
 
 from service.curves import Band, Curve, Floats, Series, aggregate
+from service.entry import Entries, Entry
+from service.run import RunStatus, unfinished
 from service.run_curve import RunCurve
 from workers.random_return import RandomReturn
-from workers.run_spec import Cell, RunSpec
+from workers.run_spec import RunSpec
 
 Item = TypeVar("Item")
 Key = TypeVar("Key")
@@ -27,10 +29,20 @@ BAND_TEXT: Mapping[Band, str] = {
     "ci95": "a 95 % confidence interval of the mean (Student's t)",
     "iqr": "the interquartile range (25 % to 75 %)",
 }
+SECONDS_TEXT = (
+    "Seconds are processor time of acting and learning: waiting, compiling or loading kernels and "
+    "evaluation are not in them."
+)
 NORMALISED_TEXT = (
     "Normalised: 0 is the mean return of uniform random actions, "
     "1 is the task's largest reward at every step."
 )
+ABSCISSA_TEXT: Mapping[Abscissa, str] = {
+    "timesteps": "timesteps",
+    "updates": "updates",
+    "jacobians": "jacobians",
+    "seconds": "processor seconds of training",
+}
 METRIC_TEXT = {
     "return_mean": "return_mean (undiscounted return of one evaluation episode)",
     "return_history": "return_history (mean of the latest 100 return_mean)",
@@ -54,6 +66,7 @@ class Seed:
 
     seed: int
     run_id: str
+    status: RunStatus
     values: Floats
 
 
@@ -65,6 +78,11 @@ class LabelledCurve:
     label: str
     curve: Curve
     seeds: tuple[Seed, ...]
+
+    @property
+    def unfinished(self) -> dict[str, int]:
+        """How many of the runs have not reached their end, by status."""
+        return unfinished(seed.status for seed in self.seeds)
 
 
 @dataclass(frozen=True)
@@ -78,36 +96,37 @@ class Panel:
 
 @dataclass(frozen=True)
 class Comparison:
-    """A sweep seen through a view."""
+    """A sweep seen through a view; `entries` are all of its request's, shown or not."""
 
     view: View
+    entries: tuple[Entry, ...]
     panels: tuple[Panel, ...]
     is_interpolated: bool
 
 
 def compare(
     run_curves: Sequence[RunCurve],
+    entries: Entries,
     view: View,
     random_returns: Mapping[tuple[str, int], RandomReturn],
     best_return: Callable[[str], float],
 ) -> Comparison:
     """Return the comparison of a sweep's runs, panels and curves in the order of the runs.
 
-    `random_returns` are by (environment, version); `best_return(environment)` is max_reward times
-    horizon.
+    `entries` are those of the sweep's request. `random_returns` are by (environment, version);
+    `best_return(environment)` is max_reward times horizon.
     """
-    labels = label_cells({run.spec.cell: run.spec for run in run_curves})
     panels = []
     for environment, runs in grouped(run_curves, lambda run: run.spec.environment).items():
         zero = random_returns.get((environment, runs[0].environment_version))
         start, unit = scale(zero, best_return(environment)) if view.normalized else (0.0, 1.0)
         curves = [
-            _curve(cell_runs, labels[cell], view, start, unit)
-            for cell, cell_runs in grouped(runs, lambda run: run.spec.cell).items()
+            _curve(entry_runs, label, view, start, unit)
+            for label, entry_runs in grouped(runs, lambda run: entries.label(run.run_id)).items()
         ]
         panels.append(Panel(environment, zero, tuple(curves)))
     is_interpolated = any(c.curve.is_interpolated for panel in panels for c in panel.curves)
-    return Comparison(view, tuple(panels), is_interpolated)
+    return Comparison(view, tuple(entries.all), tuple(panels), is_interpolated)
 
 
 def definition(comparisons: Sequence[Comparison]) -> str:
@@ -124,6 +143,9 @@ def definition(comparisons: Sequence[Comparison]) -> str:
     elif view.metric in RETURNS:
         sentences.append("Raw returns.")
     sentences.append("n counts the runs with a finite value there; no smoothing.")
+    sentences.extend(filter(None, [_cut_short(comparisons[0])]))
+    if view.x == "seconds":
+        sentences.append(SECONDS_TEXT)
     if any(each.is_interpolated for each in comparisons):
         sentences.append(
             f"Runs were measured at different {view.x}: each is interpolated linearly between "
@@ -132,39 +154,14 @@ def definition(comparisons: Sequence[Comparison]) -> str:
     return " ".join(sentences)
 
 
-def label_cells(specs: Mapping[Cell, RunSpec]) -> dict[Cell, str]:
-    """Name each cell by its algorithm, and by those settings that tell it from its neighbours.
-
-    Neighbours are the cells of the same algorithm in the same environment: a weight that only
-    differs from task to task is no part of the name.
-    """
-    settings = {cell: _settings(spec) for cell, spec in specs.items()}
-    telling: dict[str, set[str]] = {}
-    for cells in grouped(specs, lambda cell: (cell.algorithm, cell.environment)).values():
-        for name in {name for cell in cells for name in settings[cell]}:
-            if len({settings[cell].get(name) for cell in cells}) > 1:
-                telling.setdefault(cells[0].algorithm, set()).add(name)
-    labels = {}
-    for cell, named in settings.items():
-        told = [
-            f"{name}={named.get(name, 'default')}"
-            for name in sorted(telling.get(cell.algorithm, ()), key=_weights_first)
-        ]
-        labels[cell] = " ".join([cell.algorithm, *told])
-    return labels
-
-
-def _settings(spec: RunSpec) -> dict[str, str]:
-    w1, w2 = spec.weights
-    settings = {"w1": w1, "w2": w2, **spec.config}
-    return {
-        name: f"{value:g}" if isinstance(value, float) else str(value)
-        for name, value in settings.items()
-    }
-
-
-def _weights_first(name: str) -> tuple[bool, str]:
-    return name not in {"w1", "w2"}, name
+def _cut_short(comparison: Comparison) -> str:
+    """Say which runs ended before their end: beyond it, the mean is of the others alone."""
+    seeds = (seed for panel in comparison.panels for one in panel.curves for seed in one.seeds)
+    short = unfinished(seed.status for seed in seeds if seed.status.is_final)
+    if not short:
+        return ""
+    told = ", ".join(f"{number} {status}" for status, number in short.items())
+    return f"Runs that did not reach their end ({told}) count as far as they were measured."
 
 
 def scale(zero: RandomReturn | None, best_return: float) -> tuple[float, float]:
@@ -181,7 +178,7 @@ def _curve(
         series = [Series(run.x, (run.values - start) / unit) for run in runs]
     curve = aggregate(series, view.band, view.max_points)
     seeds = tuple(
-        Seed(run.spec.seed, run.run_id, values)
+        Seed(run.spec.seed, run.run_id, run.status, values)
         for run, values in zip(runs, curve.values, strict=True)
     )
     return LabelledCurve(runs[0].spec, label, curve, seeds)

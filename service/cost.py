@@ -6,6 +6,10 @@ The rate (core-seconds a timestep) is that of the finished runs of the same algo
 environment, of those with the same settings where there are any. Without finished runs it is a
 built-in figure; of an algorithm or a task that others added there is none, and the cell's cost is
 not known. Runs trained together share their worker's time, so their seconds add up.
+
+What runs have cost is their training alone (`Measurement.seconds`). A worker also evaluates them,
+which is some per cent more and for mpc as much again or twice, and loads kernels, seconds once; the
+first run of its kind on a machine compiles them for a minute.
 """
 
 import math
@@ -25,11 +29,11 @@ BASIS_TEXT: Mapping[Basis, str] = {
     "unknown": "are of unknown cost and left out: no run like theirs has finished",
 }
 
-# Core-seconds of 1000 timesteps under the presets (w1 = 1 where a hybrid has none): process time
-# between timesteps 1,200 and 2,800 of one run, of gd up to 12,000 and of mpc up to 60,000, on one
-# thread of a shared AMD EPYC core in November 2026. Good to a factor of two or so elsewhere; the
-# first finished runs replace them. What ends before its timesteps, as gd on a plateau and mpc with
-# its episode, costs less than they say.
+# Core-seconds of 1000 timesteps under the presets (w1 = 1 where a hybrid has none): process time,
+# evaluation included, between timesteps 1,200 and 2,800 of one run, of gd up to 12,000 and of mpc
+# up to 60,000, on one thread of a shared AMD EPYC core in November 2026. Good to a factor of two or
+# so elsewhere; the first finished runs replace them. What ends before its timesteps, as gd on a
+# plateau and mpc with its episode, costs less than they say.
 SECONDS_PER_1000: Mapping[str, Mapping[str, float]] = {
     "MassPoint": {
         "ddpg": 0.11, "hybrid-ddpg": 0.12, "hybrid-ddpg-cosine": 0.14,

@@ -5,7 +5,8 @@ paused <-> queued -> running -> succeeded | failed | diverged | cancelled
               ^--------------------------'  (somebody asked for a retry)
 """
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
@@ -39,6 +40,13 @@ class RunStatus(StrEnum):
 
 ACTIVE = frozenset({RunStatus.QUEUED, RunStatus.PAUSED, RunStatus.RUNNING})
 FINAL = frozenset(RunStatus) - ACTIVE
+
+
+def unfinished(statuses: Iterable[RunStatus]) -> dict[str, int]:
+    """Count the runs that have not reached their end, by status; those that are."""
+    counts = Counter(statuses)
+    others = (status for status in RunStatus if status is not RunStatus.SUCCEEDED)
+    return {status.value: counts[status] for status in others if counts[status]}
 
 
 @dataclass(frozen=True)

@@ -42,7 +42,6 @@ from service.scheduler_messages import (
     Version,
     Waiting,
 )
-from workers.progress import Progress
 from workers.report import Busy, Capacity, Ended, Failed, Lost, News, Ready, Retired
 from workers.run_spec import COHORT_LIMIT
 from workers.work import Work
@@ -235,17 +234,12 @@ def _recorded(state: State, recorded: Recorded) -> Step:
     """Runs that are no longer ours are to be trained no further."""
     worker, progress = recorded.news.worker, recorded.news.progress
     cohort = state.cohorts[worker]
-    taken_away = frozenset(
-        run.spec.seed for run in cohort.claim.runs if run.run_id not in recorded.held
-    ) - _gone(progress)
+    taken_away = (
+        frozenset(run.spec.seed for run in cohort.claim.runs if run.run_id not in recorded.held)
+        - progress.gone
+    )
     kept = replace(cohort, claim=cohort.claim.only(recorded.held))
     return _with(state, worker, kept), [Drop(worker, taken_away)] if taken_away else []
-
-
-def _gone(progress: Progress) -> frozenset[int]:
-    """Return the seeds that a worker has stopped training by itself."""
-    diverged = (divergence.seed for divergence in progress.diverged)
-    return frozenset({*progress.finished, *progress.dropped, *diverged})
 
 
 def _up(state: State) -> State:

@@ -49,7 +49,8 @@ class Sweep:
     """One sweep. Times are seconds since 1970 by the database's clock.
 
     request      what was posted, as it was
-    progress     share of the asked timesteps that is done; a run that ended counts whole
+    progress     share of the asked timesteps that is done; a run that reached its end counts whole,
+                 any other as far as it got
     eta_seconds  time left at the pace since the first claim; None while there is no pace or a pause
     """
 

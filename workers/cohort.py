@@ -15,8 +15,9 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import partial
 
+from algorithms.early_end import Divergence, Failure
 from algorithms.learner import Learner
-from algorithms.measurement import Divergence, Measurement
+from algorithms.measurement import Measurement
 from workers.cadence import Cadence
 from workers.checkpoint import Checkpoints, Found
 from workers.patience import Patience, answered, without_patience
@@ -41,6 +42,7 @@ class _News:
 
     measurements: list[Measurement] = field(default_factory=list)
     diverged: list[Divergence] = field(default_factory=list)
+    failed: list[Failure] = field(default_factory=list)
     finished: list[int] = field(default_factory=list)
     dropped: list[int] = field(default_factory=list)
     resumed: list[Resumption] = field(default_factory=list)
@@ -106,6 +108,7 @@ class Cohort:
                 bytes_per_run=self._bytes_per_run,
                 measurements=tuple(news.measurements),
                 diverged=tuple(news.diverged),
+                failed=tuple(news.failed),
                 finished=tuple(news.finished),
                 dropped=tuple(news.dropped),
                 random_return=news.random_return,
@@ -244,8 +247,9 @@ class Cohort:
         before = list(learner.seeds)
         said = learner.advance()
         diverged = [entry for entry in said if isinstance(entry, Divergence)]
+        failed = [entry for entry in said if isinstance(entry, Failure)]
         measured = [entry for entry in said if isinstance(entry, Measurement)]
-        gone = {entry.seed for entry in diverged}
+        gone = {entry.seed for entry in said if not isinstance(entry, Measurement)}
         remaining = set() if learner.finished else set(learner.seeds)
         finished = [seed for seed in before if seed not in remaining and seed not in gone]
         for entry in measured:
@@ -257,6 +261,7 @@ class Cohort:
         with self._lock:
             self._news.measurements.extend(measured)
             self._news.diverged.extend(diverged)
+            self._news.failed.extend(failed)
             self._news.finished.extend(finished)
             self._timestep = learner.timestep
             self._activity = Activity.TRAINING

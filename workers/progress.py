@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
-from algorithms.measurement import Divergence, Measurement
+from algorithms.early_end import Divergence, Failure
+from algorithms.measurement import Measurement
 from workers.random_return import RandomReturn
 
 
@@ -50,6 +51,7 @@ class Progress:
     training      those seeds, where others of the cohort wait for them; empty: all
     measurements  taken since the one before, of any seed of the cohort
     diverged      seeds that stopped being finite; they train no more
+    failed        seeds in which code raised; they train no more
     finished      seeds that are done; they train no more
     dropped       seeds that the worker was told to drop and has dropped
     resumed       where runs were taken up, with the fingerprint and all they had measured by then
@@ -64,6 +66,7 @@ class Progress:
     training: tuple[int, ...] = ()
     measurements: tuple[Measurement, ...] = ()
     diverged: tuple[Divergence, ...] = ()
+    failed: tuple[Failure, ...] = ()
     finished: tuple[int, ...] = ()
     dropped: tuple[int, ...] = ()
     resumed: tuple[Resumption, ...] = ()
@@ -71,6 +74,13 @@ class Progress:
     bytes_per_run: int = 0
     fingerprint: Mapping[str, Any] = field(default_factory=dict)
     random_return: RandomReturn | None = None
+
+    @property
+    def gone(self) -> frozenset[int]:
+        """The seeds that train no more."""
+        diverged = (divergence.seed for divergence in self.diverged)
+        failed = (failure.seed for failure in self.failed)
+        return frozenset((*self.finished, *self.dropped, *diverged, *failed))
 
     @classmethod
     def from_json(cls, document: Mapping[str, Any]) -> "Progress":
@@ -82,6 +92,7 @@ class Progress:
             training=tuple(document["training"]),
             measurements=tuple(Measurement(**entry) for entry in document["measurements"]),
             diverged=tuple(Divergence(**entry) for entry in document["diverged"]),
+            failed=tuple(Failure(**entry) for entry in document.get("failed", ())),
             finished=tuple(document["finished"]),
             dropped=tuple(document["dropped"]),
             resumed=tuple(

@@ -78,7 +78,7 @@ def measured(seed: int, timestep: int) -> Measurement:
     value = -1000.0 / (timestep + seed)
     named = {name: value / place for place, name in enumerate(DIAGNOSTICS, 1)}
     return Measurement(
-        seed, timestep, value, value / 3, timestep // 2, 3 * timestep, timestep / 7e3, named
+        seed, timestep, value, value / 3, timestep // 2, 3 * timestep, timestep / 7e3, named, 0.25
     )
 
 

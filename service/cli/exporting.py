@@ -17,9 +17,9 @@ from service.cli.terminal import AsJson, Identifier, SweepId, print_json, print_
 from service.client import Client, is_run
 from service.figures.figure_form import MEDIA_TYPES
 from service.schemas.run_answer import RunAnswer
-from service.schemas.score_table_answer import EntryAnswer, inert
+from service.schemas.score_table_answer import StandingAnswer, inert
 
-SPEC_COLUMNS = ("run", "algorithm", "environment", "w1", "w2", "seed")
+SPEC_COLUMNS = ("run", "label", "algorithm", "environment", "w1", "w2", "config", "seed")
 
 Row = dict[str, Any]
 
@@ -30,6 +30,14 @@ class Written(StrEnum):
     CSV = "csv"
     MARKDOWN = "markdown"
     LATEX = "latex"
+
+
+class ScoreName(StrEnum):
+    """The scores of a run."""
+
+    FINAL = "final"
+    RETURN_HISTORY = "return_history"
+    AREA = "area"
 
 
 class PaperFigure(StrEnum):
@@ -72,8 +80,9 @@ def runs_of(client: Client, identifier: str) -> Iterator[RunAnswer]:
 def measurement_rows(client: Client, runs: Iterable[RunAnswer]) -> Iterator[Row]:
     """A row a measurement, in front of it what run it is of."""
     for run in runs:
-        spec = (run.id, inert(run.algorithm), inert(run.environment),
-                run.weights.w1, run.weights.w2, run.seed)  # fmt: skip
+        config = json.dumps(run.config, sort_keys=True)
+        spec = (run.id, inert(run.label), inert(run.algorithm), inert(run.environment),
+                run.weights.w1, run.weights.w2, inert(config), run.seed)  # fmt: skip
         for row in client.measurement_rows(run.id):
             yield dict(zip(SPEC_COLUMNS, spec, strict=True)) | row
 
@@ -93,20 +102,25 @@ def table(
     form: Annotated[
         Written | None, typer.Option("--format", help="As text to paste; else as a table.")
     ] = None,
+    score: Annotated[
+        ScoreName,
+        typer.Option(help="At the run's end; as in the paper's table 1; or along the whole run."),
+    ] = ScoreName.FINAL,
     raw: Annotated[bool, typer.Option("--raw", help="Raw returns, not normalised.")] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Print what every algorithm reached in every task: the paper's table 1."""
+    """Print what every learner reached in every task."""
+    asked: dict[str, str | bool] = {"score": score.value, "normalized": not raw}
     with Client() as client:
         if form is not None and not as_json:
-            sys.stdout.write(client.table_text(sweep_id, form.value, normalized=not raw))
+            sys.stdout.write(client.table_text(sweep_id, form.value, **asked))
             return
-        answer = client.table(sweep_id, normalized=not raw)
+        answer = client.table(sweep_id, **asked)
     if as_json:
         print_json(answer)
         return
     print_table(
-        ("algorithm", *answer.environments),
+        ("learner", *answer.environments),
         [
             (row.label, *(entry_text(entry, answer.decimals) for entry in row.entries))
             for row in answer.rows
@@ -115,12 +129,15 @@ def table(
     say(answer.definition.replace("Bold:", "Starred:"))
 
 
-def entry_text(entry: EntryAnswer | None, decimals: int) -> str:
-    """`0.731 ± 0.042 *`, the star for the best of its task; a dash where there is nothing."""
-    if entry is None or entry.mean is None:
+def entry_text(entry: StandingAnswer | None, decimals: int) -> str:
+    """`0.731 ± 0.042 *`, the star for the best of its task; `(5 of 6)` where runs do not count."""
+    if entry is None:
         return "-"
+    counted = f" ({entry.n} of {entry.runs})" if entry.n < entry.runs else ""
+    if entry.mean is None:
+        return f"-{counted}"
     deviation = "" if entry.std is None else f" ± {entry.std:.{decimals}f}"
-    return f"{entry.mean:.{decimals}f}{deviation}{' *' if entry.is_best else ''}"
+    return f"{entry.mean:.{decimals}f}{deviation}{' *' if entry.is_best else ''}{counted}"
 
 
 def plot(

@@ -17,7 +17,7 @@ from service.schemas.run_answer import RunAnswer
 from service.schemas.sweep_answer import SweepAnswer
 
 MAX_NAME = 24
-HEADINGS = ("task", "algorithm", "timestep", "return_history", "n")
+HEADINGS = ("task", "learner", "timestep", "return_history", "n")
 
 Progressed = Callable[[SweepAnswer], None]
 
@@ -43,7 +43,7 @@ def follow(client: Client, sweep_id: str, console: Console, *, as_json: bool = F
     if not as_json:
         for run in _unsuccessful(client, ended):
             say(
-                f"{run.id} {run.algorithm} {run.environment} seed {run.seed}: "
+                f"{run.id} {run.label} {run.environment} seed {run.seed}: "
                 f"{run.status}: {run.reason}",
                 console,
             )
@@ -75,7 +75,9 @@ def _follow_live(client: Client, sweep: SweepAnswer, console: Console) -> SweepA
             progress.update(
                 bar, completed=sweep.progress, eta=eta_text(sweep), counts=counts_text(sweep)
             )
-            live.update(Group(progress, table_of(HEADINGS, standings(client, sweep.id))))
+            live.update(
+                Group(progress, table_of(HEADINGS, standings(client, sweep.id), console.width))
+            )
 
         return client.wait(sweep.id, progressed=progressed)
 
@@ -112,7 +114,7 @@ def changes(progressed: Progressed) -> Progressed:
 
 
 def standings(client: Client, sweep_id: str) -> list[tuple[str, ...]]:
-    """A row a curve: the latest normalised return_history, mean and deviation over seeds."""
+    """A row a curve: the latest normalised return_history, mean and deviation over n seeds."""
     curves = client.curves(sweep_id, metric="return_history", normalized=True, max_points=2)
     return [
         (panel.environment, curve.label, *_latest(curve))
@@ -124,13 +126,14 @@ def standings(client: Client, sweep_id: str) -> list[tuple[str, ...]]:
 def _latest(curve: CurveAnswer) -> tuple[str, str, str]:
     known = [i for i, mean in enumerate(curve.mean) if mean is not None]
     if not known:
-        return "-", "-", "0"
+        return "-", "-", f"0 of {curve.runs}"
     i = known[-1]
     mean, high = curve.mean[i], curve.high[i]
     value = f"{mean:.3f}"
     if mean is not None and high is not None:
         value += f" ± {high - mean:.3f}"
-    return f"{curve.x[i]:,.0f}", value, str(curve.n[i])
+    n = curve.n[i]
+    return f"{curve.x[i]:,.0f}", value, str(n) if n == curve.runs else f"{n} of {curve.runs}"
 
 
 def counts_text(sweep: SweepAnswer) -> str:

@@ -10,6 +10,7 @@ import typer
 from service.cli.following import counts_text, eta_text
 from service.cli.terminal import AsJson, Identifier, print_json, print_table, say
 from service.client import Client, is_run
+from service.entry import setting_text
 from service.run import RunStatus
 from service.schemas.page import Page
 from service.schemas.run_answer import AttemptAnswer, ListedRunAnswer, RunAnswer
@@ -63,10 +64,10 @@ def list_runs(runs: list[ListedRunAnswer], limit: int, as_json: bool) -> None:
         print_json(Page[ListedRunAnswer](items=runs[:limit], next=None))
         return
     print_table(
-        ("run", "status", "algorithm", "w1", "w2", "task", "seed", "timestep", "reason"),
+        ("run", "status", "learner", "w1", "w2", "task", "seed", "timestep", "reason"),
         [
-            (r.id, r.status, r.algorithm, f"{r.weights.w1:g}", f"{r.weights.w2:g}", r.environment,
-             r.seed, f"{r.timestep}/{r.timesteps}", r.reason)
+            (r.id, r.status, r.label, setting_text(r.weights.w1), setting_text(r.weights.w2),
+             r.environment, r.seed, f"{r.timestep}/{r.timesteps}", r.reason)
             for r in runs[:limit]
         ],
     )  # fmt: skip
@@ -102,16 +103,19 @@ def show_sweep(sweep: SweepAnswer, url: str) -> None:
     say(f"name       {sweep.name}")
     say(f"status     {sweep.status}, {sweep.progress:.0%} {eta_text(sweep)}".rstrip())
     say(f"runs       {sweep.runs.total}: {counts_text(sweep)}")
+    say(f"learners   {', '.join(entry.label for entry in sweep.entries)}")
     say(f"submitted  {sweep.created_at:%Y-%m-%d %H:%M:%S} UTC, priority {sweep.priority}")
     say(f"page       {url}/sweeps/{sweep.id}")
 
 
 def show_run(run: RunAnswer, attempts: list[AttemptAnswer]) -> None:
     """Print a run, a line a fact, then its attempts and what the last one printed."""
-    settings = ", ".join(f"{name} = {value}" for name, value in run.config.items())
+    settings = ", ".join(f"{name} = {setting_text(value)}" for name, value in run.config.items())
+    w1, w2 = setting_text(run.weights.w1), setting_text(run.weights.w2)
     say(f"run        {run.id}")
     say(f"status     {run.status}{': ' * bool(run.reason)}{run.reason}")
-    say(f"algorithm  {run.algorithm}, w1 = {run.weights.w1:g}, w2 = {run.weights.w2:g}")
+    say(f"learner    {run.label}")
+    say(f"algorithm  {run.algorithm}, w1 = {w1}, w2 = {w2}")
     say(f"settings   {settings or 'the defaults'}")
     say(f"task       {run.environment} (version {run.environment_version}), seed {run.seed}")
     say(f"timestep   {run.timestep:,} of {run.timesteps:,}")

@@ -145,7 +145,8 @@ def write(client: Client, sweeps: Iterable[SweepAnswer], output: Path) -> None:
     for sentence in results.write(client, now, output):
         say(sentence)
     ended = sum(sweep.runs.succeeded for sweep in now)
-    say(f"Wrote {output}/: {ended} of {sum(sweep.runs.total for sweep in now)} runs have ended.")
+    total = sum(sweep.runs.total for sweep in now)
+    say(f"Wrote {output}/: {ended} of {total} runs reached their end.")
 
 
 def read_tuning(folder: Path) -> list[Outcome]:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+import warnings
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,7 +13,8 @@ import yaml
 
 from service.cli.following import follow
 from service.cli.terminal import AsJson, console, print_json, print_table, say
-from service.client import Client
+from service.client import Client, SubmissionNotice
+from service.entry import setting_text
 from service.schemas.sweep_answer import CellAnswer, CostAnswer, DryRunAnswer
 
 Json = dict[str, Any]
@@ -58,12 +61,14 @@ def submit(
         if dry_run:
             show_estimate(client.estimate(request), as_json)
             return
-        sweep = client.submit(request, key)
+        with warnings.catch_warnings(action="ignore", category=SubmissionNotice):
+            sweep = client.submit(request, key)  # its notices are printed below
         if as_json:
             print_json(sweep)
         else:
             say(f"Sweep {sweep.id}: {counted_runs(sweep.runs.total)} queued.")
             say(f"{client.url}/sweeps/{sweep.id}")
+            say_notices(sweep.notices)
         if watch:
             raise typer.Exit(follow(client, sweep.id, console, as_json=as_json))
 
@@ -106,7 +111,7 @@ def show_estimate(answer: DryRunAnswer, as_json: bool) -> None:
         print_json(answer)
         return
     print_table(
-        ("task", "algorithm", "w1", "w2", "timesteps", "seeds", "core time"),
+        ("task", "learner", "w1", "w2", "timesteps", "seeds", "core time"),
         [(*cell_columns(cell), cell.seeds, cost_text(cell.cost)) for cell in answer.cells],
     )
     say(f"{counted_runs(answer.runs.total)}, {answer.timesteps:,} timesteps; nothing was queued.")
@@ -114,6 +119,13 @@ def show_estimate(answer: DryRunAnswer, as_json: bool) -> None:
     if estimate.core_seconds is not None:
         say(f"About {duration(estimate.core_seconds)} of one core" + wall_text(answer) + ".")
     say(estimate.explanation)
+    say_notices(answer.notices)
+
+
+def say_notices(notices: Iterable[str]) -> None:
+    """Print what whoever submits should know."""
+    for notice in notices:
+        say(f"Note: {notice}")
 
 
 def counted_runs(count: int) -> str:
@@ -122,11 +134,9 @@ def counted_runs(count: int) -> str:
 
 
 def cell_columns(cell: CellAnswer) -> tuple[object, ...]:
-    """Task, algorithm, weights and timesteps."""
-    weights = cell.weights
-    return (
-        cell.environment, cell.algorithm, f"{weights.w1:g}", f"{weights.w2:g}", cell.timesteps
-    )  # fmt: skip
+    """Task, learner, weights and timesteps."""
+    w1, w2 = setting_text(cell.weights.w1), setting_text(cell.weights.w2)
+    return cell.environment, cell.label, w1, w2, cell.timesteps
 
 
 def cost_text(cost: CostAnswer) -> str:

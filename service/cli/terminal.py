@@ -14,6 +14,8 @@ from rich.text import Text
 MAX_UNFOLDED = 18
 """Characters of a cell, such as an id or a date, that stays on one line."""
 
+PADDING = 2
+
 console = Console()
 
 AsJson = Annotated[bool, typer.Option("--json", help="Print the service's answer as JSON.")]
@@ -36,23 +38,28 @@ def print_json(answer: BaseModel) -> None:
 def print_table(headings: Sequence[str], rows: Rows, console: Console = console) -> None:
     """Print a table; where no terminal reads it, lines with tabs between the cells."""
     if console.is_terminal:
-        console.print(table_of(headings, rows))
+        console.print(table_of(headings, rows, console.width))
         return
     for row in (headings, *rows):
         console.file.write("\t".join(plain(cell) for cell in row) + "\n")
 
 
-def table_of(headings: Sequence[str], rows: Rows) -> Table:
-    """The table for a terminal: without empty columns, long cells folded, short ones whole."""
+def table_of(headings: Sequence[str], rows: Rows, width: int) -> Table:
+    """The table for a terminal so wide: without empty columns, long cells folded, short ones whole.
+
+    Where those do not fit beside each other, only the first column, of ids, stays whole.
+    """
     columns = [
         (heading, [plain(cell) for cell in cells])
         for heading, *cells in zip(headings, *rows, strict=True)
     ]
     shown = [(heading, cells) for heading, cells in columns if any(cells) or not cells]
-    table = Table(box=None, padding=(0, 2, 0, 0), header_style="bold")
-    for heading, cells in shown:
-        is_short = max(map(len, cells), default=0) <= MAX_UNFOLDED
-        table.add_column(heading, overflow="fold", no_wrap=is_short)
+    table = Table(box=None, padding=(0, PADDING, 0, 0), header_style="bold")
+    widths = [max(map(len, (heading, *cells))) for heading, cells in shown]
+    least = sum(PADDING + (each if each <= MAX_UNFOLDED else 1) for each in widths)
+    for place, ((heading, _), each) in enumerate(zip(shown, widths, strict=True)):
+        is_whole = place == 0 or least <= width
+        table.add_column(heading, overflow="fold", no_wrap=is_whole and each <= MAX_UNFOLDED)
     for row in zip(*(cells for _, cells in shown), strict=True):
         table.add_row(*map(Text, row))
     return table

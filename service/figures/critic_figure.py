@@ -18,7 +18,7 @@ from matplotlib.image import AxesImage
 import physics
 from algorithms.measurement import MEASURE_EVERY
 from physics.mass_point import START
-from service.comparison import Comparison, LabelledCurve
+from service.comparison import ABSCISSA_TEXT, Comparison, LabelledCurve
 from service.figures.figure_form import Form
 from service.figures.picture import picture, printable
 from service.figures.plot import caption, draw_panel, styles_of
@@ -125,7 +125,7 @@ def _draw_returns(ax: Axes, returns: Comparison) -> None:
     for label, style in styles.items():
         ax.plot([], [], label=printable(label), **style)
     ax.legend(frameon=False, loc="lower right")
-    ax.set(xlabel=returns.view.x, ylabel=f"{returns.view.metric} (normalised)")
+    ax.set(xlabel=ABSCISSA_TEXT[returns.view.x], ylabel=f"{returns.view.metric} (normalised)")
 
 
 def _draw_critic(ax: Axes, critic: Critic, truth: FloatArray, scale: Normalize) -> None:

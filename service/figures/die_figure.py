@@ -1,7 +1,7 @@
 """The paper's figure 3: the die on its way to the target, thrown as the best runs learned to.
 
-A row per learner: its best run by return_history. A column per start: the first ones that the task
-draws, so that none is picked for what it shows.
+A row per learner: its best run by return_history, of those that reached their end. A column per
+start: the first ones that the task draws, so that none is picked for what it shows.
 """
 
 import textwrap
@@ -21,6 +21,7 @@ from physics.rolling_die import DT, TARGET_X, TARGET_Y
 from service.comparison import Comparison, LabelledCurve
 from service.figures.figure_form import Form
 from service.figures.picture import picture, printable
+from service.run import RunStatus
 from workers.checkpoint import find_snapshot
 from workers.episode import Episode, play
 from workers.place import Place
@@ -46,11 +47,11 @@ class Thrown(NamedTuple):
 class Learner(NamedTuple):
     """A learner's best run: of which seed, what it reached, its episodes from `STARTS`.
 
-    No episodes where it has no policy yet.
+    No seed while no run has reached its end, no episodes where its policy is not there.
     """
 
     label: str
-    seed: int
+    seed: int | None
     history: float
     thrown: Sequence[Thrown]
 
@@ -74,7 +75,10 @@ def bounces(touching: Sequence[int]) -> list[int]:
 
 def _best(one: LabelledCurve, checkpoints: Place) -> Learner:
     """Play what the best run of a curve has learned."""
-    best = max(one.seeds, key=lambda seed: (_last_finite(seed.values), -seed.seed))
+    finished = [seed for seed in one.seeds if seed.status is RunStatus.SUCCEEDED]
+    if not finished:
+        return Learner(one.label, None, -np.inf, [])
+    best = max(finished, key=lambda seed: (_last_finite(seed.values), -seed.seed))
     task, snapshot = physics.make(DIE_TASK), find_snapshot(checkpoints, best.run_id)
     episodes = (
         []
@@ -101,7 +105,8 @@ def _figure(title: str, learners: Sequence[Learner]) -> Figure:
     figure = Figure(figsize=size, layout="constrained")
     axes = figure.subplots(len(learners), len(STARTS), sharex=True, sharey=True, squeeze=False)
     for row, learner in zip(axes, learners, strict=True):
-        row[0].set_ylabel(f"{printable(learner.label)}\nbest run: seed {learner.seed}\ny (m)")
+        best = "no run has ended" if learner.seed is None else f"best run: seed {learner.seed}"
+        row[0].set_ylabel(f"{printable(learner.label)}\n{best}\ny (m)")
         for ax in row:
             ax.set_aspect("equal")
             ax.spines[["top", "right"]].set_visible(False)
@@ -144,9 +149,9 @@ def _caption(learners: Sequence[Learner]) -> str:
         if np.isfinite(learner.history)
     )
     return (
-        "Each learner's run of the highest return_history (mean of its latest 100 return_mean, "
-        f"raw: {best or 'none yet'}), acting without noise from the starts that the task draws for "
-        f"seeds {', '.join(map(str, STARTS))}. Red: the start; light red: each bounce and the end; "
-        f"dashed: the die's centre; blue: the target. Contacts within {ONE_BOUNCE_SECONDS:g} s are "
-        "one bounce."
+        "Of each learner's runs that reached their end, the one of the highest return_history "
+        f"(mean of its latest 100 return_mean, raw: {best or 'none yet'}), acting without noise "
+        f"from the starts that the task draws for seeds {', '.join(map(str, STARTS))}. Red: the "
+        "start; light red: each bounce and the end; dashed: the die's centre; blue: the target. "
+        f"Contacts within {ONE_BOUNCE_SECONDS:g} s are one bounce."
     )

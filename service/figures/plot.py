@@ -1,12 +1,13 @@
 """The paper's figure 4 for any sweep, as a picture file.
 
 Two rows, return_mean above return_history; a column per environment; a line and its band per
-algorithm. What it shows (statistic, band, n, normalisation) is printed on it. The same data give
+entry. What it shows (statistic, band, n, normalisation) is printed on it. The same data give
 the same bytes, so a picture can be compared and cached.
 """
 
 import math
 import textwrap
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -15,9 +16,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import EngFormatter
 
-from service.comparison import Comparison, LabelledCurve, Panel, definition
+from service.comparison import ABSCISSA_TEXT, Comparison, LabelledCurve, Panel, definition
 from service.figures.figure_form import Form
-from service.figures.palette import colour
+from service.figures.palette import colour, dash
 from service.figures.picture import picture, printable
 
 Style = Mapping[str, Any]
@@ -28,7 +29,6 @@ PANELS_INCHES = 5.2  # both rows and the caption
 LEGEND_COLUMN_INCHES = 1.8
 LEGEND_ROW_INCHES = 0.18
 CAPTION_CHARACTERS_PER_INCH = 19
-DASHES = ("solid", (0, (5, 2)), (0, (1, 1.5)), (0, (5, 2, 1, 2)))
 
 
 def draw(title: str, rows: Sequence[Comparison], form: Form) -> bytes:
@@ -61,7 +61,7 @@ def _figure(title: str, rows: Sequence[Comparison]) -> Figure:
     for ax, panel in zip(axes[0], rows[0].panels, strict=False):
         ax.set_title(printable(panel.environment))
     for ax in axes[-1]:
-        ax.set_xlabel(rows[0].view.x)
+        ax.set_xlabel(ABSCISSA_TEXT[rows[0].view.x])
         ax.xaxis.set_major_formatter(EngFormatter(sep=""))  # 20k
     figure.legend(
         title=printable(title),
@@ -91,19 +91,18 @@ def draw_panel(ax: Axes, panel: Panel, styles: Mapping[str, Style]) -> None:
 
 
 def styles_of(comparison: Comparison) -> dict[str, Style]:
-    """Return the line of each label: the algorithm's colour, a dash per further setting of it."""
+    """Return the line of each label shown: the algorithm's colour, a dash per further entry of it.
+
+    Entries that are not shown have theirs too, so that a curve looks alike in every figure.
+    """
     styles: dict[str, Style] = {}
-    used: dict[str, int] = {}
-    for one in _all_curves(comparison):
-        if one.label not in styles:
-            algorithm = one.spec.algorithm
-            index = used.setdefault(algorithm, 0)
-            used[algorithm] += 1
-            styles[one.label] = {
-                "color": colour(algorithm),
-                "linestyle": DASHES[index % len(DASHES)],
-            }
-    return styles
+    used: Counter[str] = Counter()
+    for entry in comparison.entries:
+        shade = colour(entry.algorithm)
+        styles[entry.label] = {"color": shade, "linestyle": dash(used[shade])}
+        used[shade] += 1
+    shown = dict.fromkeys(one.label for one in _all_curves(comparison))
+    return {label: styles[label] for label in shown}
 
 
 def _all_curves(comparison: Comparison) -> list[LabelledCurve]:

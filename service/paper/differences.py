@@ -7,9 +7,10 @@
 
     timesteps    environment steps: what the paper's curves are drawn over
     evaluations  timesteps + Jacobians: a Jacobian counted as dear as a step (section 3.1)
-    seconds      of one core; runs trained together share theirs evenly
+    seconds      processor time of training (`algorithms.measurement.Measurement.seconds`)
 
-Interval: 95 % of the mean of d, percentile bootstrap over the pairs.
+Interval: 95 % of the mean of d, percentile bootstrap over the pairs. Only runs that reached their
+end are given: pairs of which one did not are not counted.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -1,12 +1,14 @@
 """The evaluation as files: measurements, the paper's figures and table, statistics, provenance.
 
-    measurements/<environment>/<algorithm>.csv   a line a measurement; return_mean with all digits
+    measurements/<environment>/<algorithm>.csv   a line a measurement; returns with all digits
+    scores.csv, random-returns.csv               service.paper.score_files
     figure-<n>.svg, figure-<n>.png
     table-1.csv, table-1.md
     statistics.json                              `GET /sweeps/{id}/statistics`, by sweep
     gains.csv                                    service.paper.differences
     provenance.json
 
+The figures of tables, statistics and gains follow from measurements, scores and random returns.
 An evaluation that goes on can be written too: provenance tells how many of its runs have ended.
 """
 
@@ -15,6 +17,7 @@ import json
 import os
 import platform
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Literal
@@ -26,6 +29,9 @@ from service.environment import best_return
 from service.figures.figure_form import Form
 from service.paper.differences import Gain, MeasuredRun, gains
 from service.paper.evaluation import FIGURES
+from service.paper.score_files import Row, write_random_returns, write_scores
+from service.run import RunStatus
+from service.schemas.curves_answer import RandomReturnAnswer
 from service.schemas.run_answer import RunAnswer
 from service.schemas.sweep_answer import SweepAnswer
 
@@ -37,42 +43,79 @@ TABLES: Mapping[Literal["csv", "markdown"], str] = {
 KEPT = (
     "timestep",
     "return_mean",
+    "return_history",
     "updates",
     "jacobians",
     "seconds",
+    "compile_seconds",
     "action_gradient_cosine",
     "state_gradient_cosine",
 )
-ROUNDED = {"seconds", "action_gradient_cosine", "state_gradient_cosine"}
+ROUNDED = {"seconds", "compile_seconds", "action_gradient_cosine", "state_gradient_cosine"}
 """Columns of which four significant digits are kept; the others' digits are all there."""
+COMPARED = ("timestep", "return_mean", "jacobians", "seconds")
+"""Columns that gains are made of."""
 
-Row = Mapping[str, str]
+
+@dataclass(frozen=True)
+class Swept:
+    """A sweep with all it measured.
+
+    rows   the measurements as they are kept, by run
+    zeros  the zero of the normalised scale, by task; None if not known yet
+    """
+
+    sweep: SweepAnswer
+    runs: Sequence[RunAnswer]
+    rows: Mapping[str, Sequence[Row]]
+    zeros: Mapping[str, RandomReturnAnswer | None]
+
+    @classmethod
+    def of(cls, client: Client, sweep: SweepAnswer) -> "Swept":
+        """Ask for it."""
+        runs = list(client.runs(sweep.id))
+        rows = {run.id: [kept(row) for row in client.measurement_rows(run.id)] for run in runs}
+        panels = client.curves(sweep.id, max_points=2).panels
+        return cls(sweep, runs, rows, {panel.environment: panel.random_return for panel in panels})
 
 
 def write(client: Client, sweeps: Sequence[SweepAnswer], folder: Path) -> list[str]:
     """Write the evaluation's files, and return a sentence for each that could not be made."""
     folder.mkdir(parents=True, exist_ok=True)
-    lacking: list[str] = []
-    evidence: dict[str, Any] = {}
-    statistics: dict[str, Any] = {}
-    gained: list[Gain] = []
-    for sweep in sweeps:
-        runs = list(client.runs(sweep.id))
-        rows = {run.id: client.measurement_rows(run.id) for run in runs}
-        _write_measurements(folder / "measurements", runs, rows)
-        lacking += _write_figures(client, sweep, folder)
-        evidence[sweep.name] = _provenance(sweep, runs, rows)
-        if "4" in FIGURES[sweep.name]:
-            _write_table(client, sweep, folder)
-        if FIGURES[sweep.name] != ("2",):
-            statistics[sweep.name] = client.statistics(sweep.id).model_dump(mode="json")
-            measured_runs = [_as_arrays(run, rows[run.id]) for run in runs]
-            gained += gains(measured_runs, units(client, sweep.id))
-    provenance = {"versions": versions(), "machine": machine(), "sweeps": evidence}
-    _write_json(folder / "provenance.json", provenance)
-    _write_json(folder / "statistics.json", statistics)
-    _write_gains(folder / "gains.csv", gained)
-    return lacking
+    swept = [Swept.of(client, sweep) for sweep in sweeps]
+    compared = [one for one in swept if FIGURES[one.sweep.name] != ("2",)]  # not the critic alone
+    runs = [(run, one.rows[run.id]) for one in swept for run in one.runs]
+    zeros = {task: zero for one in swept for task, zero in one.zeros.items()}
+    for one in swept:
+        _write_measurements(folder / "measurements", one)
+        if "4" in FIGURES[one.sweep.name]:
+            _write_table(client, one.sweep, folder)
+    write_scores(folder / "scores.csv", runs)
+    write_random_returns(folder / "random-returns.csv", zeros)
+    _write_statistics(client, [one.sweep for one in compared], folder)
+    _write_gains(folder / "gains.csv", (gain for one in compared for gain in gained(one)))
+    _write_provenance(folder / "provenance.json", swept)
+    return [sentence for one in swept for sentence in _write_figures(client, one.sweep, folder)]
+
+
+def gained(swept: Swept) -> Iterator[Gain]:
+    """Yield what a sweep's hybrids gain, of runs at their end, by the measurements as kept."""
+    units = {
+        environment: best_return(environment) - (zero.mean if zero else np.nan)
+        for environment, zero in swept.zeros.items()
+    }
+    ended = (run for run in swept.runs if run.status is RunStatus.SUCCEEDED)
+    return gains([_as_arrays(run, swept.rows[run.id]) for run in ended], units)
+
+
+def _write_statistics(client: Client, sweeps: Iterable[SweepAnswer], folder: Path) -> None:
+    found = {sweep.name: client.statistics(sweep.id).model_dump(mode="json") for sweep in sweeps}
+    _write_json(folder / "statistics.json", found)
+
+
+def _write_provenance(file: Path, swept: Iterable[Swept]) -> None:
+    evidence = {one.sweep.name: _provenance(one) for one in swept}
+    _write_json(file, {"versions": versions(), "machine": machine(), "sweeps": evidence})
 
 
 def _write_json(file: Path, document: Mapping[str, Any]) -> None:
@@ -93,22 +136,10 @@ def machine() -> dict[str, Any]:
     }
 
 
-def units(client: Client, sweep_id: str) -> dict[str, float]:
-    """The unit of each task's normalised scale, best minus random return; NaN if not known yet."""
-    panels = client.curves(sweep_id, max_points=2).panels
-    return {
-        panel.environment: best_return(panel.environment)
-        - (panel.random_return.mean if panel.random_return else np.nan)
-        for panel in panels
-    }
-
-
-def _write_measurements(
-    folder: Path, runs: Iterable[RunAnswer], rows: Mapping[str, Sequence[Row]]
-) -> None:
+def _write_measurements(folder: Path, swept: Swept) -> None:
     """Write a file an algorithm and task."""
     cells: dict[tuple[str, str], list[RunAnswer]] = {}
-    for run in runs:
+    for run in swept.runs:
         cells.setdefault((run.environment, run.algorithm), []).append(run)
     for (environment, algorithm), members in cells.items():
         file = folder / environment / f"{algorithm}.csv"
@@ -118,14 +149,16 @@ def _write_measurements(
             writer.writerow(("w1", "w2", "seed", *KEPT))
             for run in members:
                 spec = (run.weights.w1, run.weights.w2, run.seed)
-                writer.writerows((*spec, *compact(row)) for row in rows[run.id])
+                writer.writerows((*spec, *row.values()) for row in swept.rows[run.id])
 
 
-def compact(row: Row) -> Iterator[str]:
-    """Yield the columns that are kept; empty where the run has no such diagnostic."""
-    for name in KEPT:
-        value = row.get(name, "")
-        yield f"{float(value):.4g}" if value and name in ROUNDED else value
+def kept(row: Row) -> Row:
+    """Return the columns that are kept; empty where the run has no such diagnostic."""
+    return {name: _rounded(name, row.get(name, "")) for name in KEPT}
+
+
+def _rounded(name: str, value: str) -> str:
+    return f"{float(value):.4g}" if value and name in ROUNDED else value
 
 
 def _write_figures(client: Client, sweep: SweepAnswer, folder: Path) -> Iterator[str]:
@@ -141,7 +174,7 @@ def _write_figures(client: Client, sweep: SweepAnswer, folder: Path) -> Iterator
 
 def _write_table(client: Client, sweep: SweepAnswer, folder: Path) -> None:
     for form, file in TABLES.items():
-        text = client.table_text(sweep.id, form, normalized=True)
+        text = client.table_text(sweep.id, form, score="return_history", normalized=True)
         (folder / file).write_text(text, encoding="utf-8", newline="")
 
 
@@ -161,25 +194,29 @@ def _gain_row(gain: Gain) -> tuple[object, ...]:
 
 
 def _as_arrays(run: RunAnswer, rows: Sequence[Row]) -> MeasuredRun:
-    columns = {name: np.array([float(row[name]) for row in rows]) for name in KEPT[:5]}
+    columns = {name: np.array([float(row[name]) for row in rows]) for name in COMPARED}
     weights = (run.weights.w1, run.weights.w2)
     return MeasuredRun(run.algorithm, run.environment, weights, run.seed, columns)
 
 
-def _provenance(
-    sweep: SweepAnswer, runs: Sequence[RunAnswer], rows: Mapping[str, Sequence[Row]]
-) -> dict[str, Any]:
+def _provenance(swept: Swept) -> dict[str, Any]:
     """Who, when, with what: fingerprints are those of the runs, each once."""
+    runs = swept.runs
     fingerprints = {json.dumps(run.fingerprint, sort_keys=True) for run in runs if run.fingerprint}
     ended = [run.finished_at for run in runs if run.finished_at]
     return {
-        "request": sweep.request,
-        "runs": sweep.runs.model_dump(),
-        "submitted": sweep.created_at.isoformat(),
+        "request": swept.sweep.request,
+        "runs": swept.sweep.runs.model_dump(),
+        "submitted": swept.sweep.created_at.isoformat(),
         "last ended": max(ended).isoformat() if ended else None,
-        "core seconds": round(
-            sum(float(rows[run.id][-1]["seconds"]) for run in runs if rows[run.id])
-        ),
+        "core seconds": _spent(swept, "seconds"),
+        "compile core seconds": _spent(swept, "compile_seconds"),
         "attempts": sum(run.attempt for run in runs),
         "fingerprints": [json.loads(text) for text in sorted(fingerprints)],
     }
+
+
+def _spent(swept: Swept, name: str) -> int:
+    """Seconds of all runs, as far as they are known."""
+    last = [float(rows[-1][name]) for rows in swept.rows.values() if rows]
+    return round(float(np.nansum(last)))

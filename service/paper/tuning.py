@@ -7,7 +7,8 @@
    the baseline has the first choice.
 
 What is best has the largest mean, over runs, of the area under the normalised learning curve (the
-mean of its return_mean); of equals the first. Gradient descent and MPC, which have no gradient
+mean of its return_mean); of equals the first. A cell of which a run did not reach its end is not
+chosen. Gradient descent and MPC, which have no gradient
 terms, were tuned before this service could run them; `algorithms.presets` has what they reached.
 
 Seeds are none of the evaluation's. A cell whose outcome is known already is not run again: the
@@ -19,7 +20,10 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
-from service.schemas.curves_answer import CurvesAnswer
+import numpy as np
+
+from service.schemas.curves_answer import CurveAnswer, CurvesAnswer
+from service.statistics.score import final_score
 
 SEEDS = [100, 101, 102, 103]
 
@@ -62,8 +66,9 @@ class Outcome:
     """What one cell of a tuning sweep reached.
 
     config     of the searched settings
-    area, end  mean over runs of the mean, and of the last tenth, of the normalised return_mean
-    runs       how many measured anything
+    area, end  mean over runs of the mean, and of the last tenth, of the normalised return_mean;
+               minus infinity where a run did not reach its end
+    runs       how many did, or diverged, as they would again
     sweep      the sweep's id
     """
 
@@ -163,14 +168,26 @@ def outcomes(curves: CurvesAnswer) -> list[Outcome]:
             curve.algorithm,
             (curve.weights.w1, curve.weights.w2),
             _searched(panel.environment, curve.algorithm, curve.config),
-            _mean(curve.mean),
-            _mean(curve.mean[-max(1, len(curve.mean) // 10) :]),
-            max(curve.n, default=0),
+            *_reached(curve, TIMESTEPS[panel.environment]),
+            _decided(curve),
             curves.sweep,
         )
         for panel in curves.panels
         for curve in panel.curves
     ]
+
+
+def _reached(curve: CurveAnswer, timesteps: int) -> tuple[float, float]:
+    """Area and end of a curve; minus infinity for one that is not to be chosen."""
+    means = np.array(curve.mean, np.float64)  # None becomes NaN
+    if curve.unfinished or not np.isfinite(means).all() or not means.size:
+        return -np.inf, -np.inf
+    return float(means.mean()), final_score(np.array(curve.x), means, timesteps)
+
+
+def _decided(curve: CurveAnswer) -> int:
+    undecided = sum(curve.unfinished.values()) - curve.unfinished.get("diverged", 0)
+    return curve.runs - undecided
 
 
 def _searched(environment: str, algorithm: str, config: Mapping[str, Any]) -> dict[str, Any]:
@@ -183,10 +200,3 @@ def best(rows: Iterable[Outcome], environment: str, algorithm: str) -> Outcome:
     """The cell of an algorithm with the largest area; raises ValueError where there is none."""
     cells = (row for row in rows if (row.environment, row.algorithm) == (environment, algorithm))
     return max(cells, key=lambda row: row.area)
-
-
-def _mean(values: list[float | None]) -> float:
-    """NaN counts as minus infinity: what diverged is not chosen."""
-    if not values or any(value is None for value in values):
-        return float("-inf")
-    return sum(value for value in values if value is not None) / len(values)

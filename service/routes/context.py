@@ -1,4 +1,7 @@
-"""What routes are given: store, event feed, dispatcher; the sweep or run of their path."""
+"""What routes are given: store, event feed, dispatcher; the sweep or run of their path.
+
+And the name of the entry that the run is of.
+"""
 
 from collections.abc import Mapping
 from typing import Annotated, Protocol
@@ -6,6 +9,7 @@ from typing import Annotated, Protocol
 from fastapi import Depends, Request
 from fastapi import Path as PathParameter
 
+from service.entry import Entries
 from service.event_feed import EventFeed
 from service.problems import NotFound, printable
 from service.run import Run
@@ -97,3 +101,10 @@ def may_be_id(text: str) -> bool:
 
 TheSweep = Annotated[Sweep, Depends(_sweep)]
 TheRun = Annotated[Run, Depends(_run)]
+
+
+def _label(run: TheRun, store: TheStore) -> str:
+    return Entries(store.sweep_request(run.sweep_id)).label(run.id)
+
+
+TheLabel = Annotated[str, Depends(_label)]

@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from service.comparison import METRIC_TEXT, RETURNS, Abscissa, Comparison, View, compare
 from service.curves import Band
+from service.entry import Entries
 from service.environment import best_return
 from service.problems import Fault, InvalidRequest
 from service.routes.context import TheStore, TheSweep
@@ -16,6 +17,7 @@ from service.schemas.curves_answer import CurvesAnswer, curves_json
 from service.schemas.sweep_request import MAX_RUNS, Text
 from service.store.store import Store
 from service.submission.nearest import unknown_name
+from service.sweep import Sweep
 
 router = APIRouter(prefix="/sweeps/{sweep_id}", tags=["curves"], route_class=RevalidatedRoute)
 
@@ -33,7 +35,10 @@ class BandQuery(BaseModel):
         default=None, description="0 acts at random, 1 is the best. Left out: true for returns."
     )
     band: Band = "std"
-    x: Abscissa = "timesteps"
+    x: Abscissa = Field(
+        default="timesteps",
+        description="`seconds`: processor time of training, without compiling and evaluation.",
+    )
     max_points: int = Field(
         default=DEFAULT_POINTS,
         ge=2,
@@ -65,9 +70,7 @@ class CurveQuery(BandQuery):
 @router.get("/curves", response_model=CurvesAnswer)
 def get_curves(sweep: TheSweep, query: Annotated[CurveQuery, Query()], store: TheStore) -> Response:
     """Answer mean and band over seeds, exact, from all of them, with n."""
-    comparison = compared(
-        store, sweep.id, query, query.metric, with_seeds=query.seeds, run=query.run
-    )
+    comparison = compared(store, sweep, query, query.metric, with_seeds=query.seeds, run=query.run)
     return Response(curves_json(sweep.id, comparison, query.seeds), media_type="application/json")
 
 
@@ -88,7 +91,7 @@ def get_metrics(sweep: TheSweep, store: TheStore) -> list[str]:
 
 def compared(
     store: Store,
-    sweep_id: str,
+    sweep: Sweep,
     query: BandQuery,
     metric: str,
     algorithms: Collection[str] = (),
@@ -101,18 +104,20 @@ def compared(
 
     Raises InvalidRequest for a metric that cannot be shown.
     """
-    if metric not in RETURNS and metric not in (known := store.diagnostic_names(sweep_id)):
+    if metric not in RETURNS and metric not in (known := store.diagnostic_names(sweep.id)):
         raise InvalidRequest([unknown_name("metric", metric, [*sorted(RETURNS), *known])])
     if query.normalized and metric not in RETURNS:
         fault = Fault("normalized", f"only returns have a normalised scale, {metric!r} has none")
         raise InvalidRequest([fault])
     runs = [
         one
-        for one in store.curve_points(sweep_id, metric, query.x, run)
+        for one in store.curve_points(sweep.id, metric, query.x, run)
         if (not algorithms or one.spec.algorithm in algorithms)
         and environment in ("", one.spec.environment)
     ]
-    lines = len(runs) if with_seeds else len({run.spec.cell for run in runs})
+    entries = Entries(sweep.request)
+    curves = {(run.spec.environment, entries.label(run.run_id)) for run in runs}
+    lines = len(runs) if with_seeds else len(curves)
     view = View(
         metric=metric,
         normalized=metric in RETURNS if query.normalized is None else query.normalized,
@@ -120,4 +125,4 @@ def compared(
         x=query.x,
         max_points=min(query.max_points, max(2, MAX_TOTAL_POINTS // max(1, lines))),
     )
-    return compare(runs, view, store.random_returns(), best_return)
+    return compare(runs, entries, view, store.random_returns(), best_return)

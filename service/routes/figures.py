@@ -36,7 +36,7 @@ def get_plot(
     side: TheSide,
 ) -> Response:
     """Draw every curve of this sweep: return_mean above return_history, a column a task."""
-    rows = [compared(store, sweep.id, query, metric) for metric in RETURNS]
+    rows = [compared(store, sweep, query, metric) for metric in RETURNS]
     _refuse_more_curves(rows, MAX_CURVES)
     return _drawn(side, "service.figures.plot:draw", f"{sweep.name} ({sweep.id})", rows, form)
 
@@ -60,7 +60,7 @@ def get_figure(
     figure = PAPER[number]
     query = BandQuery(normalized=figure.normalized)
     rows = [
-        compared(store, sweep.id, query, metric, figure.algorithms, figure.environment)
+        compared(store, sweep, query, metric, figure.algorithms, figure.environment)
         for metric in figure.metrics
     ]
     if not rows[0].panels:

@@ -17,8 +17,8 @@ router = APIRouter(tags=["runs"])
 
 Format = Literal["json", "csv"]
 CSV_EXAMPLE = (
-    "timestep,return_mean,return_history,updates,jacobians,seconds,critic_loss\r\n"
-    "800,-1203.5,-1203.5,400,25600,0.31,0.5\r\n"
+    "timestep,return_mean,return_history,updates,jacobians,seconds,compile_seconds,critic_loss\r\n"
+    "800,-1203.5,-1203.5,400,25600,0.31,1.25,0.5\r\n"
 )
 MEDIA_TYPES: dict[Format, str] = {"json": "application/json", "csv": "text/csv"}
 

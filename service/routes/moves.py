@@ -11,7 +11,7 @@ from typing import TypeVar
 from fastapi import APIRouter
 
 from service.problems import ImpossibleMove
-from service.routes.context import TheRun, TheStore, TheSweep
+from service.routes.context import TheLabel, TheRun, TheStore, TheSweep
 from service.schemas.run_answer import RunAnswer
 from service.schemas.sweep_answer import SweepAnswer
 from service.store.refusal import ImpossibleMoveError
@@ -48,27 +48,27 @@ def retry_sweep(sweep: TheSweep, store: TheStore) -> SweepAnswer:
 
 
 @runs.post("/cancel", status_code=HTTPStatus.ACCEPTED)
-def cancel_run(run: TheRun, store: TheStore) -> RunAnswer:
+def cancel_run(run: TheRun, label: TheLabel, store: TheStore) -> RunAnswer:
     """Cancel a run: at once while it waits, by its worker while it runs."""
-    return RunAnswer.of(_moved(store.cancel_run, run.id))
+    return RunAnswer.of(_moved(store.cancel_run, run.id), label)
 
 
 @runs.post("/pause", status_code=HTTPStatus.ACCEPTED)
-def pause_run(run: TheRun, store: TheStore) -> RunAnswer:
+def pause_run(run: TheRun, label: TheLabel, store: TheStore) -> RunAnswer:
     """Keep a queued run from being started."""
-    return RunAnswer.of(_moved(store.pause_run, run.id))
+    return RunAnswer.of(_moved(store.pause_run, run.id), label)
 
 
 @runs.post("/resume", status_code=HTTPStatus.ACCEPTED)
-def resume_run(run: TheRun, store: TheStore) -> RunAnswer:
+def resume_run(run: TheRun, label: TheLabel, store: TheStore) -> RunAnswer:
     """Queue a paused run."""
-    return RunAnswer.of(_moved(store.resume_run, run.id))
+    return RunAnswer.of(_moved(store.resume_run, run.id), label)
 
 
 @runs.post("/retry", status_code=HTTPStatus.ACCEPTED)
-def retry_run(run: TheRun, store: TheStore) -> RunAnswer:
+def retry_run(run: TheRun, label: TheLabel, store: TheStore) -> RunAnswer:
     """Queue a failed run again; what it measured and its attempts stay."""
-    return RunAnswer.of(_moved(store.retry_run, run.id))
+    return RunAnswer.of(_moved(store.retry_run, run.id), label)
 
 
 def _moved(move: Callable[[str], Moved], name: str) -> Moved:

@@ -7,7 +7,8 @@ import structlog
 from fastapi import APIRouter, Query, Request, Response
 from pydantic import Field
 
-from service.routes.context import TheCheckpoints, TheRun, TheStore, TheSweep
+from service.entry import Entries
+from service.routes.context import TheCheckpoints, TheLabel, TheRun, TheStore, TheSweep
 from service.run import RunStatus
 from service.schemas.number import numbers
 from service.schemas.page import Page, PageQuery, page_of, read_cursor
@@ -51,7 +52,9 @@ def list_runs(
         after=read_cursor(query.after),
         limit=query.limit + 1,
     )
-    page = page_of([ListedRunAnswer.of(run) for run in runs], query.limit, request, response)
+    label = Entries(sweep.request).label
+    answers = [ListedRunAnswer.of(run, label(run.id)) for run in runs]
+    page = page_of(answers, query.limit, request, response)
     if query.sparkline:
         outlines = store.return_outlines([run.id for run in page.items], query.sparkline)
         for run in page.items:
@@ -60,9 +63,9 @@ def list_runs(
 
 
 @router.get("/runs/{run_id}")
-def get_run(run: TheRun, checkpoints: TheCheckpoints) -> RunAnswer:
+def get_run(run: TheRun, label: TheLabel, checkpoints: TheCheckpoints) -> RunAnswer:
     """Show a run; its links have `rollout` where it has learned something to act with."""
-    answer = RunAnswer.of(run)
+    answer = RunAnswer.of(run, label)
     try:
         can_act = has_policy(checkpoints, run.id)
     except OSError as trouble:

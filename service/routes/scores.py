@@ -1,4 +1,4 @@
-"""What the runs of a sweep have reached: the paper's table 1, and the statistics behind it."""
+"""What the runs of a sweep have reached, as a table, and the statistics behind it."""
 
 from collections.abc import Sequence
 from typing import Annotated, Literal
@@ -7,6 +7,7 @@ from fastapi import APIRouter, Query, Request, Response
 from pydantic import BaseModel, ConfigDict, Field
 
 from service.comparison import grouped
+from service.entry import Entries
 from service.environment import best_return
 from service.problems import Fault, InvalidRequest
 from service.routes.context import TheStore, TheSweep
@@ -15,10 +16,12 @@ from service.routes.revalidation import RevalidatedRoute
 from service.schemas.score_table_answer import ScoreTableAnswer, score_table_csv
 from service.schemas.statistics_answer import StatisticsAnswer
 from service.statistics.paired_difference import paired_differences
+from service.statistics.score import SCORES, Score
 from service.statistics.score_table import ScoreTable, score_table
 from service.statistics.score_table_text import latex, markdown
-from service.statistics.scores import CellScores, latest_scores
+from service.statistics.scores import CellScores, sweep_scores
 from service.statistics.sweep_statistics import sweep_statistics
+from service.store.store import Store
 from service.sweep import Sweep
 
 router = APIRouter(prefix="/sweeps/{sweep_id}", tags=["curves"], route_class=RevalidatedRoute)
@@ -33,8 +36,9 @@ MEDIA_TYPES: dict[TableForm, str] = {
 }
 EXAMPLES = {
     "text/csv": {
-        "example": "environment,label,algorithm,w1,w2,config,timesteps,runs,ended,n,mean,std,low,"
-        "high,is_best\r\nPendulum,ddpg,ddpg,0.0,0.0,{},20000,16,16,16,0.731,0.042,0.709,0.753,True\r\n"
+        "example": "environment,label,algorithm,w1,w2,config,timesteps,runs,n,unfinished,mean,std,"
+        "low,high,is_best\r\n"
+        "Pendulum,ddpg,ddpg,0.0,0.0,{},20000,16,16,,0.731,0.042,0.709,0.753,True\r\n"
     },
     "text/markdown": {
         "example": "|  | Pendulum |\n| --- | ---: |\n| ddpg | **0.731** ± 0.042 (16) |\n"
@@ -43,12 +47,20 @@ EXAMPLES = {
 }
 
 
-class TableQuery(BaseModel):
-    """Which returns, and in which form."""
+class ScoreQuery(BaseModel):
+    """Which score of the runs."""
 
     model_config = ConfigDict(extra="forbid")
 
-    metric: Literal["return_history", "return_mean"] = "return_history"
+    score: Score = Field(
+        default="final",
+        description="; ".join(f"`{name}`: {kind.text}" for name, kind in SCORES.items()) + ".",
+    )
+
+
+class TableQuery(ScoreQuery):
+    """Which score, and in which form."""
+
     normalized: bool = Field(default=True, description="0 acts at random, 1 is the best.")
     format: TableForm | None = Field(
         default=None, description="Left out: as the Accept header says, else JSON."
@@ -63,10 +75,12 @@ class TableQuery(BaseModel):
 def get_table(
     sweep: TheSweep, query: Annotated[TableQuery, Query()], request: Request, store: TheStore
 ) -> Response:
-    """Answer the paper's table 1 for this sweep: what every algorithm reached in every task."""
-    runs = store.curve_points(sweep.id, query.metric)
-    scores = latest_scores(runs, store.random_returns(), best_return, normalized=query.normalized)
-    table = score_table(scores, query.metric, normalized=query.normalized)
+    """Answer what every entry of the sweep reached in every task.
+
+    With `score=return_history` it is the paper's table 1 for this sweep.
+    """
+    scores = _scores(store, sweep, query.score, normalized=query.normalized)
+    table = score_table(scores, query.score, normalized=query.normalized)
     form = asked_form(request, query.format, MEDIA_TYPES)
     headers = {"Vary": "Accept"}
     if form == "csv":
@@ -75,16 +89,30 @@ def get_table(
 
 
 @router.get("/statistics")
-def get_statistics(sweep: TheSweep, store: TheStore) -> StatisticsAnswer:
-    """Answer what the sweep says of its algorithms over all tasks, with intervals."""
-    zeros = store.random_returns()
-    cells = latest_scores(
-        store.curve_points(sweep.id, "return_history"), zeros, best_return, normalized=True
-    )
+def get_statistics(
+    sweep: TheSweep, query: Annotated[ScoreQuery, Query()], store: TheStore
+) -> StatisticsAnswer:
+    """Answer what the sweep says of its entries over all tasks, with intervals."""
+    cells = _scores(store, sweep, query.score, normalized=True)
     _refuse_too_many(cells)
-    runs = store.curve_points(sweep.id, "return_mean")
-    differences = paired_differences(runs, zeros, best_return)
-    return StatisticsAnswer.of(sweep.id, sweep_statistics(cells), differences)
+    differences = paired_differences(
+        store.curve_points(sweep.id, "return_mean"),
+        Entries(sweep.request),
+        store.random_returns(),
+        best_return,
+    )
+    return StatisticsAnswer.of(sweep.id, query.score, sweep_statistics(cells), differences)
+
+
+def _scores(store: Store, sweep: Sweep, score: Score, *, normalized: bool) -> list[CellScores]:
+    return sweep_scores(
+        store.curve_points(sweep.id, SCORES[score].metric),
+        Entries(sweep.request),
+        score,
+        store.random_returns(),
+        best_return,
+        normalized=normalized,
+    )
 
 
 def _refuse_too_many(cells: Sequence[CellScores]) -> None:

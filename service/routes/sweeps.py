@@ -68,7 +68,7 @@ def submit_sweep(
     except SubmissionKeyReusedError as refusal:
         raise InvalidRequest([Fault("Idempotency-Key", str(refusal))]) from refusal
     response.headers["Location"] = f"/api/v1/sweeps/{sweep.id}"
-    return SweepAnswer.of(sweep)
+    return SweepAnswer.of(sweep, planned.notices)
 
 
 @router.get("")

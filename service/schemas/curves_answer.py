@@ -25,13 +25,17 @@ class SeedAnswer(BaseModel):
 
 
 class CurveAnswer(BaseModel):
-    """Mean and band over the runs of one cell; null where a number is not defined."""
+    """Mean and band over the runs of one entry; null where a number is not defined."""
 
     algorithm: str
     weights: WeightsAnswer
     config: dict[str, Any]
-    label: str
+    label: str = Field(description="The name of the entry of the request that it is of.")
     runs: int
+    unfinished: dict[str, int] = Field(
+        description="Runs that have not reached their end, by status; they count as far as they "
+        "were measured."
+    )
     x: list[float]
     mean: Numbers
     low: Numbers
@@ -86,6 +90,7 @@ class CurvesAnswer(BaseModel):
                                     "config": {},
                                     "label": "ddpg",
                                     "runs": 4,
+                                    "unfinished": {},
                                     "x": [800, 1600],
                                     "mean": [0.012, 0.154],
                                     "low": [-0.021, 0.08],
@@ -142,6 +147,7 @@ def _curve(one: LabelledCurve, with_seeds: bool) -> Mapping[str, Any]:
         "config": dict(one.spec.config),
         "label": one.label,
         "runs": len(one.seeds),
+        "unfinished": one.unfinished,
         "x": as_whole(curve.x),
         "mean": numbers(curve.mean),
         "low": numbers(curve.low),

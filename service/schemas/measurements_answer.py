@@ -16,7 +16,10 @@ from algorithms.measurement import Measurement
 
 Number = float | int
 Columns = Mapping[str, Sequence[Number | None]]
-OWN_COLUMNS = ("timestep", "return_mean", "return_history", "updates", "jacobians", "seconds")
+OWN_COLUMNS = (
+    "timestep", "return_mean", "return_history", "updates", "jacobians", "seconds",
+    "compile_seconds",
+)  # fmt: skip
 
 
 class NonfiniteAnswer(BaseModel):
@@ -28,7 +31,11 @@ class NonfiniteAnswer(BaseModel):
 
 
 class MeasurementsAnswer(BaseModel):
-    """The table. Diagnostics that a measurement lacks are null too."""
+    """The table. Diagnostics that a measurement lacks are null too.
+
+    `seconds` is processor time of training so far, acting and learning alone; `compile_seconds`
+    that of compiling and loading kernels, null where an earlier version measured.
+    """
 
     model_config = ConfigDict(
         json_schema_extra={
@@ -42,6 +49,7 @@ class MeasurementsAnswer(BaseModel):
                         "updates": [400, 800],
                         "jacobians": [25600, 51200],
                         "seconds": [0.31, 0.6],
+                        "compile_seconds": [1.25, 1.25],
                         "critic_loss": [0.5, None],
                     },
                     "nonfinite": [{"column": "critic_loss", "timestep": 1600, "value": "NaN"}],

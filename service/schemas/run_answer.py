@@ -28,6 +28,7 @@ class RunAnswer(BaseModel):
                 {
                     "id": "3f9a0c51b7de-17",
                     "sweep_id": "3f9a0c51b7de",
+                    "label": "hybrid-ddpg w1=0.1 w2=0.1",
                     "algorithm": "hybrid-ddpg",
                     "environment": "Pendulum",
                     "environment_version": 1,
@@ -55,6 +56,7 @@ class RunAnswer(BaseModel):
 
     id: str
     sweep_id: str
+    label: str = Field(description="The name of the entry of its sweep's request that it is of.")
     algorithm: str
     environment: str
     environment_version: int
@@ -82,13 +84,14 @@ class RunAnswer(BaseModel):
     links: dict[str, str]
 
     @classmethod
-    def of(cls, run: Run) -> Self:
-        """Show a run."""
+    def of(cls, run: Run, label: str) -> Self:
+        """Show a run of the entry of that name."""
         spec = run.spec
         link = f"/api/v1/runs/{run.id}"
         return cls(
             id=run.id,
             sweep_id=run.sweep_id,
+            label=label,
             algorithm=spec.algorithm,
             environment=spec.environment,
             environment_version=run.environment_version,

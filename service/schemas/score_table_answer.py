@@ -1,4 +1,4 @@
-"""Table 1 of a sweep, as answers show it: JSON, and CSV with a line per entry."""
+"""The score table of a sweep, as answers show it: JSON, and CSV with a line a cell."""
 
 import csv
 import io
@@ -12,37 +12,42 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from service.schemas.number import finite_or_none
 from service.schemas.run_answer import WeightsAnswer
-from service.statistics.score_table import Entry, ScoreTable
+from service.statistics.score import Score
+from service.statistics.score_table import ScoreTable, Standing
 
 FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r")
 COLUMNS = (
     "environment", "label", "algorithm", "w1", "w2", "config", "timesteps",
-    "runs", "ended", "n", "mean", "std", "low", "high", "is_best",
+    "runs", "n", "unfinished", "mean", "std", "low", "high", "is_best",
 )  # fmt: skip
 
 
-class EntryAnswer(BaseModel):
-    """The runs of one algorithm with its settings in one environment."""
+class StandingAnswer(BaseModel):
+    """The runs of one entry in one environment."""
 
     algorithm: str
     weights: WeightsAnswer
     config: dict[str, Any]
     timesteps: int
     runs: int
-    ended: int = Field(description="Runs that are final.")
-    n: int = Field(description="Runs with a finite value.")
+    n: int = Field(description="Runs that count: they reached their end, with a finite score.")
+    unfinished: dict[str, int] = Field(
+        description="Runs that did not reach their end, by status; they do not count."
+    )
     mean: float | None
     std: float | None = Field(description="ddof 1; null for fewer than two values.")
     low: float | None = Field(description="95 % confidence interval of the mean (Student's t).")
     high: float | None
-    is_best: bool = Field(description="To be set in bold.")
+    is_best: bool = Field(
+        description="To be set in bold; never where a run of any seed does not count."
+    )
 
 
 class RowAnswer(BaseModel):
-    """The entries of one label, in the order of `environments`; null where there are no runs."""
+    """The row of one entry, in the order of `environments`; null where it has no runs."""
 
     label: str
-    entries: list[EntryAnswer | None]
+    entries: list[StandingAnswer | None]
 
 
 class ScoreTableAnswer(BaseModel):
@@ -53,7 +58,7 @@ class ScoreTableAnswer(BaseModel):
             "examples": [
                 {
                     "sweep": "3f9a0c51b7de",
-                    "metric": "return_history",
+                    "score": "final",
                     "normalized": True,
                     "decimals": 3,
                     "definition": "Mean, standard deviation (ddof 1) and 95 % ...",
@@ -68,8 +73,8 @@ class ScoreTableAnswer(BaseModel):
                                     "config": {},
                                     "timesteps": 20000,
                                     "runs": 16,
-                                    "ended": 16,
                                     "n": 16,
+                                    "unfinished": {},
                                     "mean": 0.731,
                                     "std": 0.042,
                                     "low": 0.709,
@@ -85,7 +90,7 @@ class ScoreTableAnswer(BaseModel):
     )
 
     sweep: str
-    metric: str
+    score: Score
     normalized: bool
     decimals: int = Field(description="Digits after the point that bold type goes by.")
     definition: str = Field(description="What the table shows, in words.")
@@ -96,12 +101,12 @@ class ScoreTableAnswer(BaseModel):
     def of(cls, sweep_id: str, table: ScoreTable) -> "ScoreTableAnswer":
         """Show a table."""
         rows = [
-            RowAnswer(label=row.label, entries=[_entry(entry) for entry in row.entries])
+            RowAnswer(label=row.label, entries=[_entry(each) for each in row.standings])
             for row in table.rows
         ]
         return cls(
             sweep=sweep_id,
-            metric=table.metric,
+            score=table.score,
             normalized=table.normalized,
             decimals=table.decimals,
             definition=table.definition,
@@ -117,9 +122,9 @@ def score_table_csv(table: ScoreTable) -> str:
     writer.writeheader()
     for column, environment in enumerate(table.environments):
         for row in table.rows:
-            if entry := row.entries[column]:
+            if standing := row.standings[column]:
                 named = {"environment": inert(environment), "label": inert(row.label)}
-                writer.writerow({**named, **_cells(entry)})
+                writer.writerow({**named, **_cells(standing)})
     return file.getvalue()
 
 
@@ -128,36 +133,36 @@ def inert(text: str) -> str:
     return f"'{text}" if text.startswith(FORMULA_STARTS) else text
 
 
-def _entry(entry: Entry | None) -> EntryAnswer | None:
-    if entry is None:
+def _entry(standing: Standing | None) -> StandingAnswer | None:
+    if standing is None:
         return None
-    spec, sample = entry.spec, entry.sample
-    return EntryAnswer(
+    spec, sample = standing.spec, standing.sample
+    return StandingAnswer(
         algorithm=spec.algorithm,
         weights=WeightsAnswer(w1=spec.weights[0], w2=spec.weights[1]),
         config=dict(spec.config),
         timesteps=spec.timesteps,
-        runs=entry.runs,
-        ended=entry.ended,
+        runs=standing.runs,
         n=sample.n,
+        unfinished=dict(standing.unfinished),
         mean=finite_or_none(sample.mean),
         std=finite_or_none(sample.std),
         low=finite_or_none(sample.low),
         high=finite_or_none(sample.high),
-        is_best=entry.is_best,
+        is_best=standing.is_best,
     )
 
 
-def _cells(entry: Entry) -> Mapping[str, object]:
-    spec, numbers = entry.spec, asdict(entry.sample)
+def _cells(standing: Standing) -> Mapping[str, object]:
+    spec, numbers = standing.spec, asdict(standing.sample)
     return {
         "algorithm": inert(spec.algorithm),
         "w1": spec.weights[0],
         "w2": spec.weights[1],
         "config": inert(json.dumps(spec.config, sort_keys=True)),
         "timesteps": spec.timesteps,
-        "runs": entry.runs,
-        "ended": entry.ended,
-        "is_best": entry.is_best,
+        "runs": standing.runs,
+        "unfinished": ", ".join(f"{n} {status}" for status, n in standing.unfinished.items()),
+        "is_best": standing.is_best,
         **{name: "" if math.isnan(value) else value for name, value in numbers.items()},
     }

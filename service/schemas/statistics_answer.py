@@ -2,11 +2,15 @@
 
 from typing import Self
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
+from service.comparison import NORMALISED_TEXT
 from service.schemas.number import Numbers, finite_or_none, numbers
 from service.statistics.paired_difference import PairedDifference
+from service.statistics.score import SCORES, Score
 from service.statistics.score_statistics import Profile
+from service.statistics.scores import CellScores
 from service.statistics.stratified_bootstrap import RESAMPLES, Estimate
 from service.statistics.sweep_statistics import Improvement, LabelStatistics, SweepStatistics
 
@@ -30,8 +34,9 @@ PROFILE_TEXT = (
 DIFFERENCE_TEXT = (
     "Paired difference: area under the normalised curve of return_mean over timesteps (its mean "
     "along the run, by trapezoids), an algorithm's minus that of the one it extends, over the n "
-    "pairs of runs of equal seed, each up to the last timestep that both have measured. Interval: "
-    "95 % of the mean (Student's t). wins: pairs with a difference above 0."
+    "pairs of runs of equal seed that both reached their end, each up to the last timestep that "
+    "both have measured. Interval: 95 % of the mean (Student's t). wins: pairs with a difference "
+    "above 0."
 )
 
 
@@ -54,6 +59,16 @@ class MissingAnswer(BaseModel):
 
     environment: str
     labels: list[str]
+
+
+class IncompleteAnswer(BaseModel):
+    """A cell of a common task of which only the n runs that reached their end count."""
+
+    environment: str
+    label: str
+    n: int
+    runs: int
+    unfinished: dict[str, int] = Field(description="The others by status.")
 
 
 class IQMAnswer(EstimateAnswer):
@@ -111,7 +126,8 @@ class DifferenceAnswer(BaseModel):
     environment: str
     label: str
     baseline: str
-    n: int
+    pairs: int = Field(description="Pairs of runs of equal seed.")
+    n: int = Field(description="Those of which both runs reached their end.")
     wins: int
     mean: float | None
     std: float | None
@@ -127,16 +143,22 @@ class DifferencesAnswer(BaseModel):
 
 
 class StatisticsAnswer(BaseModel):
-    """The statistics of a sweep's normalised final return_history."""
+    """The statistics of a sweep's normalised scores."""
 
     model_config = ConfigDict(
         json_schema_extra={
             "examples": [
                 {
                     "sweep": "3f9a0c51b7de",
+                    "score": "final",
+                    "definition": "Normalised: 0 is ...",
                     "tasks": ["Pendulum"],
                     "lacking": [{"environment": "Acrobot", "labels": ["mpc"]}],
                     "unscored": [],
+                    "incomplete": [
+                        {"environment": "Pendulum", "label": "ddpg", "n": 15, "runs": 16,
+                         "unfinished": {"diverged": 1}}
+                    ],
                     "interquartile_mean": {
                         "definition": "Interquartile mean: ...",
                         "values": [
@@ -164,7 +186,7 @@ class StatisticsAnswer(BaseModel):
                         "definition": "Paired difference ...",
                         "values": [
                             {"environment": "Pendulum", "label": "hybrid-ddpg", "baseline": "ddpg",
-                             "n": 16, "wins": 12, "mean": 0.05, "std": 0.06,
+                             "pairs": 16, "n": 16, "wins": 12, "mean": 0.05, "std": 0.06,
                              "low": 0.02, "high": 0.08}
                         ],
                     },
@@ -174,25 +196,41 @@ class StatisticsAnswer(BaseModel):
     )  # fmt: skip
 
     sweep: str
+    score: Score
+    definition: str = Field(description="What is compared, in words.")
     tasks: list[str] = Field(description="The tasks in which every curve has a score.")
     lacking: list[MissingAnswer] = Field(description="The other tasks: they do not count.")
     unscored: list[str] = Field(description="Curves without any score: they are left out.")
+    incomplete: list[IncompleteAnswer] = Field(
+        description="Where some runs have no score: the others' mean is likely to be too high "
+        "where those failed or diverged."
+    )
     interquartile_mean: IQMsAnswer
     probability_of_improvement: ImprovementsAnswer
     performance_profiles: ProfilesAnswer
     paired_differences: DifferencesAnswer
 
     @classmethod
-    def of(cls, sweep_id: str, found: SweepStatistics, differences: list[PairedDifference]) -> Self:
+    def of(
+        cls,
+        sweep_id: str,
+        score: Score,
+        found: SweepStatistics,
+        differences: list[PairedDifference],
+    ) -> Self:
         """Show statistics."""
         return cls(
             sweep=sweep_id,
+            score=score,
+            definition=f"Of {SCORES[score].text}, of the runs that reached their end. "
+            f"{NORMALISED_TEXT}",
             tasks=list(found.tasks),
             lacking=[
                 MissingAnswer(environment=task, labels=labels)
                 for task, labels in found.lacking.items()
             ],
             unscored=list(found.unscored),
+            incomplete=[_incomplete(cell) for cell in found.incomplete],
             interquartile_mean=IQMsAnswer(
                 definition=IQM_TEXT, values=[_iqm(one) for one in found.labels]
             ),
@@ -209,6 +247,16 @@ class StatisticsAnswer(BaseModel):
                 definition=DIFFERENCE_TEXT, values=[_difference(each) for each in differences]
             ),
         )
+
+
+def _incomplete(cell: CellScores) -> IncompleteAnswer:
+    return IncompleteAnswer(
+        environment=cell.spec.environment,
+        label=cell.label,
+        n=int(np.isfinite(cell.values).sum()),
+        runs=len(cell.values),
+        unfinished=cell.unfinished,
+    )
 
 
 def _iqm(one: LabelStatistics) -> IQMAnswer:
@@ -249,6 +297,7 @@ def _difference(each: PairedDifference) -> DifferenceAnswer:
         environment=each.environment,
         label=each.label,
         baseline=each.baseline,
+        pairs=each.pairs,
         n=difference.n,
         wins=each.wins,
         mean=finite_or_none(difference.mean),

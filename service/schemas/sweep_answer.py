@@ -8,22 +8,37 @@ from typing import Any, Self
 from pydantic import BaseModel, ConfigDict, Field
 
 from service.cost import Basis, CellCost, explain, total_core_seconds, wall_seconds
+from service.entry import Entries
 from service.figures.paper_figure import PAPER
 from service.schemas.number import finite_or_none
 from service.schemas.run_answer import MOVES, WeightsAnswer, as_time
 from service.submission.plan import Plan
 from service.sweep import RunCounts, Sweep, SweepStatus
 
+NOTICES_TEXT = "What whoever submits should know; empty in any other answer."
+NOTICE = (
+    "algorithms[1] (hybrid-ddpg) has the weights (0, 0) in Pendulum: without gradient terms it is "
+    "ddpg, bit for bit, and says nothing of gradient matching. It repeats algorithms[0]."
+)
+
 
 class CellAnswer(BaseModel):
     """What the runs of one curve share."""
 
+    label: str = Field(description="The name of its entry of the request.")
     algorithm: str
     environment: str
     weights: WeightsAnswer
     config: dict[str, Any]
     timesteps: int
     seeds: int
+
+
+class EntryAnswer(BaseModel):
+    """An entry of a request: an algorithm with its settings and one pair of weights."""
+
+    label: str = Field(description="Its name: curves, tables, statistics and runs carry it.")
+    algorithm: str
 
 
 class RunCountsAnswer(BaseModel):
@@ -89,6 +104,7 @@ class DryRunAnswer(BaseModel):
                     "timesteps": 320_000,
                     "cells": [
                         {
+                            "label": "ddpg",
                             "algorithm": "ddpg",
                             "environment": "Pendulum",
                             "weights": {"w1": 0.0, "w2": 0.0},
@@ -104,6 +120,7 @@ class DryRunAnswer(BaseModel):
                         "workers": 2,
                         "explanation": "1 of 1 cells ...",
                     },
+                    "notices": [NOTICE],
                 }
             ]
         }
@@ -113,12 +130,14 @@ class DryRunAnswer(BaseModel):
     timesteps: int = Field(description="Environment steps of all runs together.")
     cells: list[PlannedCellAnswer]
     estimate: EstimateOfCostAnswer
+    notices: list[str] = Field(description=NOTICES_TEXT)
 
     @classmethod
     def of(cls, plan: Plan, costs: Sequence[CellCost], workers: int) -> Self:
         """Show a plan and the costs of its cells."""
         cells = [
             PlannedCellAnswer(
+                label=label,
                 algorithm=cell.algorithm,
                 environment=cell.environment,
                 weights=WeightsAnswer(w1=cell.weights[0], w2=cell.weights[1]),
@@ -131,7 +150,7 @@ class DryRunAnswer(BaseModel):
                     runs=cost.runs,
                 ),
             )
-            for cell, cost in zip(plan.cells, costs, strict=True)
+            for label, cell, cost in zip(plan.labels, plan.cells, costs, strict=True)
         ]
         counts = RunCountsAnswer.of(RunCounts(queued=plan.runs))
         estimate = EstimateOfCostAnswer(
@@ -140,7 +159,13 @@ class DryRunAnswer(BaseModel):
             workers=workers,
             explanation=explain(costs),
         )
-        return cls(runs=counts, timesteps=plan.timesteps, cells=cells, estimate=estimate)
+        return cls(
+            runs=counts,
+            timesteps=plan.timesteps,
+            cells=cells,
+            estimate=estimate,
+            notices=list(plan.notices),
+        )
 
 
 class SweepAnswer(BaseModel):
@@ -168,6 +193,11 @@ class SweepAnswer(BaseModel):
                     "progress": 0.25,
                     "eta_seconds": 310.5,
                     "request": {"name": "weights on Pendulum", "seeds": 16},
+                    "entries": [
+                        {"label": "ddpg", "algorithm": "ddpg"},
+                        {"label": "hybrid-ddpg", "algorithm": "hybrid-ddpg"},
+                    ],
+                    "notices": [NOTICE],
                     "links": {"self": "/api/v1/sweeps/3f9a0c51b7de"},
                 }
             ]
@@ -180,14 +210,19 @@ class SweepAnswer(BaseModel):
     priority: int
     status: SweepStatus
     runs: RunCountsAnswer
-    progress: float = Field(description="Share of the asked timesteps that is done, 0 to 1.")
+    progress: float = Field(
+        description="Share of the asked timesteps that is done, 0 to 1: a run that reached its end "
+        "counts whole, any other as far as it got."
+    )
     eta_seconds: float | None
     request: Mapping[str, Any] = Field(description="What was posted.")
+    entries: list[EntryAnswer] = Field(description="What it compares, in the request's order.")
+    notices: list[str] = Field(description=NOTICES_TEXT)
     links: dict[str, str]
 
     @classmethod
-    def of(cls, sweep: Sweep) -> Self:
-        """Show a sweep."""
+    def of(cls, sweep: Sweep, notices: Sequence[str] = ()) -> Self:
+        """Show a sweep, with notices if it was submitted just now."""
         link = f"/api/v1/sweeps/{sweep.id}"
         figures = figures_of(sweep.request)
         parts = ("runs", "curves", "table", "statistics", "events", *MOVES)
@@ -201,6 +236,11 @@ class SweepAnswer(BaseModel):
             progress=sweep.progress,
             eta_seconds=sweep.eta_seconds,
             request=sweep.request,
+            entries=[
+                EntryAnswer(label=entry.label, algorithm=entry.algorithm)
+                for entry in Entries(sweep.request).all
+            ],
+            notices=list(notices),
             links={
                 "self": link,
                 "page": f"/sweeps/{sweep.id}",

@@ -14,6 +14,8 @@ from pydantic import (
     WithJsonSchema,
 )
 
+from algorithms.presets import SMALLEST_WEIGHT
+
 MAX_RUNS = 20_000
 MAX_NAME = 200
 MAX_LISTED = 100
@@ -38,8 +40,13 @@ def storable(text: str) -> str:
     return text
 
 
-def without_sign_of_zero(value: float) -> float:
-    """Return the number, -0.0 as 0.0: they are equal, but do not look so."""
+def weight(value: float) -> float:
+    """Return the number, -0.0 as 0.0: they are equal, but do not look so.
+
+    Raises ValueError for what is 0 to a learner, but does not look so.
+    """
+    if 0 < value < SMALLEST_WEIGHT:
+        raise ValueError(f"is 0 to a learner: give 0, or at least {SMALLEST_WEIGHT}")
     return value + 0.0
 
 
@@ -70,7 +77,7 @@ def _one_or_list(value: object) -> str:
 
 Text = Annotated[str, AfterValidator(storable)]
 Name = Annotated[Text, Field(min_length=1, max_length=MAX_NAME)]
-Weight = Annotated[float, Field(ge=0, le=MAX_WEIGHT), AfterValidator(without_sign_of_zero)]
+Weight = Annotated[float, Field(ge=0, le=MAX_WEIGHT), AfterValidator(weight)]
 Seed = Annotated[int, Field(ge=0, le=MAX_SEED)]
 ConfigValue = Annotated[
     Any,

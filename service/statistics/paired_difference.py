@@ -1,4 +1,4 @@
-"""What an algorithm gains over the one it extends, seed by seed, in each task.
+"""What an entry gains over one of the algorithm that its own extends, seed by seed, in each task.
 
     d_i = 1/u (area of the hybrid's run i - area of the baseline's run i)
     area = 1/(t_1 - t_0) integral of return_mean over timesteps t_0 ... t_1 (trapezoids)
@@ -7,7 +7,8 @@
     t_0  the run's first measurement    t_1  the last timestep that both runs of the pair measured
 
 Runs of equal seed start from the same networks and the same states, so that their difference is
-known better than the difference of the means. Pairs with a value that is not finite do not count.
+known better than the difference of the means. Only pairs count in which both runs reached their end
+and no value is other than finite.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -15,10 +16,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from service.comparison import grouped, label_cells, scale
+from service.comparison import grouped, scale
 from service.curves import Floats
+from service.entry import Entries
+from service.run import RunStatus
 from service.run_curve import RunCurve
 from service.statistics.sample import Sample, sample
+from service.statistics.score import area
 from workers.random_return import RandomReturn
 
 BASELINES = {"hybrid-ddpg": "ddpg", "hybrid-ddpg-cosine": "ddpg", "hybrid-sac": "sac"}
@@ -26,56 +30,58 @@ BASELINES = {"hybrid-ddpg": "ddpg", "hybrid-ddpg-cosine": "ddpg", "hybrid-sac": 
 
 @dataclass(frozen=True)
 class PairedDifference:
-    """A curve minus its baseline's in one environment; `wins` of the n pairs are above 0."""
+    """An entry minus its baseline in one environment.
+
+    pairs       of equal seed there are
+    difference  of the n pairs that count
+    wins        those of them above 0
+    """
 
     environment: str
     label: str
     baseline: str
+    pairs: int
     difference: Sample
     wins: int
 
 
 def paired_differences(
     run_curves: Sequence[RunCurve],
+    entries: Entries,
     random_returns: Mapping[tuple[str, int], RandomReturn],
     best_return: Callable[[str], float],
 ) -> list[PairedDifference]:
     """Return the differences of a sweep's runs of return_mean over timesteps."""
-    cells = grouped(run_curves, lambda run: run.spec.cell)
-    labels = label_cells({cell: runs[0].spec for cell, runs in cells.items()})
+    cells = grouped(run_curves, lambda run: (run.spec.environment, entries.label(run.run_id)))
     found = []
-    for cell, runs in cells.items():
-        zero = random_returns.get((cell.environment, runs[0].environment_version))
-        _, unit = scale(zero, best_return(cell.environment))
-        for other, baseline_runs in cells.items():
-            if (other.environment, other.algorithm) == (
-                cell.environment,
-                BASELINES.get(cell.algorithm),
-            ):
-                gained = _differences(runs, baseline_runs) / unit
-                gained = gained[np.isfinite(gained)]
+    for (environment, label), runs in cells.items():
+        zero = random_returns.get((environment, runs[0].environment_version))
+        _, unit = scale(zero, best_return(environment))
+        for (other_environment, baseline), its_runs in cells.items():
+            extended = BASELINES.get(runs[0].spec.algorithm)
+            if (other_environment, its_runs[0].spec.algorithm) == (environment, extended):
+                gained = _differences(runs, its_runs) / unit
+                counted = gained[np.isfinite(gained)]
+                wins = int((counted > 0).sum())
                 found.append(
                     PairedDifference(
-                        cell.environment,
-                        labels[cell],
-                        labels[other],
-                        sample(gained),
-                        int((gained > 0).sum()),
+                        environment, label, baseline, len(gained), sample(counted), wins
                     )
                 )
     return found
 
 
-def area(x: Floats, y: Floats) -> float:
-    """Return the mean of y [k] along x [k], k >= 1."""
-    return float(np.trapezoid(y, x) / (x[-1] - x[0])) if len(x) > 1 else float(y[0])
-
-
 def _differences(runs: Sequence[RunCurve], baseline_runs: Sequence[RunCurve]) -> Floats:
-    """Return the differences of area of the pairs of equal seed; NaN before both have measured."""
+    """Return the differences of area of the pairs of equal seed; NaN for those not at their end."""
     by_seed = {run.spec.seed: run for run in baseline_runs}
     pairs = [(run, by_seed[run.spec.seed]) for run in runs if run.spec.seed in by_seed]
-    return np.array([area_gained(run.x, run.values, its.x, its.values) for run, its in pairs])
+    return np.array([_difference(*pair) for pair in pairs])
+
+
+def _difference(run: RunCurve, its: RunCurve) -> float:
+    if {run.status, its.status} != {RunStatus.SUCCEEDED}:
+        return np.nan
+    return area_gained(run.x, run.values, its.x, its.values)
 
 
 def area_gained(x: Floats, y: Floats, x0: Floats, y0: Floats) -> float:
@@ -89,5 +95,4 @@ def area_gained(x: Floats, y: Floats, x0: Floats, y0: Floats) -> float:
     ours, theirs = x <= end, x0 <= end
     if not (ours.any() and theirs.any()):
         return np.nan
-    with np.errstate(all="ignore"):
-        return area(x[ours], y[ours]) - area(x0[theirs], y0[theirs])
+    return area(x[ours], y[ours]) - area(x0[theirs], y0[theirs])

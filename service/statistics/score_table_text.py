@@ -1,4 +1,4 @@
-"""Table 1 as text for papers and pages: Markdown and LaTeX (booktabs), best in bold.
+"""A table of scores as text for papers and pages: Markdown and LaTeX (booktabs), best in bold.
 
 Names are shown as they are: what means something to Markdown or LaTeX is escaped.
 """
@@ -6,7 +6,7 @@ Names are shown as they are: what means something to Markdown or LaTeX is escape
 import re
 import unicodedata
 
-from service.statistics.score_table import Entry, ScoreTable
+from service.statistics.score_table import ScoreTable, Standing
 
 NOTHING = "–"
 MARKDOWN_SPECIAL = re.compile(r"([\\`*_{}\[\]()<>#+!|~&$-])")
@@ -27,7 +27,7 @@ def markdown(title: str, table: ScoreTable) -> str:
     rule = ["---", *("---:" for _ in table.environments)]
     lines = [["", *(escape_markdown(name) for name in table.environments)], rule]
     for row in table.rows:
-        cells = [_markdown_cell(entry, table.decimals) for entry in row.entries]
+        cells = [_markdown_cell(each, table.decimals) for each in row.standings]
         lines.append([escape_markdown(row.label), *cells])
     rows = "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
     return f"**{escape_markdown(title)}**\n\n{rows}\n\n{table.definition} Cells: mean ± std (n).\n"
@@ -40,7 +40,7 @@ def latex(title: str, table: ScoreTable) -> str:
         " & ".join(
             [
                 escape_latex(row.label),
-                *(_latex_cell(entry, table.decimals) for entry in row.entries),
+                *(_latex_cell(each, table.decimals) for each in row.standings),
             ]
         )
         for row in table.rows
@@ -81,25 +81,35 @@ def _line(text: str) -> str:
     )
 
 
-def _markdown_cell(entry: Entry | None, decimals: int) -> str:
-    if entry is None or entry.sample.n == 0:
+def _markdown_cell(standing: Standing | None, decimals: int) -> str:
+    if standing is None:
         return NOTHING
-    mean, spread = _numbers(entry, decimals)
-    shown = f"**{mean}**" if entry.is_best else mean
-    return " ".join([shown, *(["±", spread] if spread else []), f"({entry.sample.n})"])
+    if standing.sample.n == 0:
+        return f"{NOTHING} ({counted(standing)})"
+    mean, spread = _numbers(standing, decimals)
+    shown = f"**{mean}**" if standing.is_best else mean
+    return " ".join([shown, *(["±", spread] if spread else []), f"({counted(standing)})"])
 
 
-def _latex_cell(entry: Entry | None, decimals: int) -> str:
-    if entry is None or entry.sample.n == 0:
+def _latex_cell(standing: Standing | None, decimals: int) -> str:
+    if standing is None:
         return "--"
-    mean, spread = _numbers(entry, decimals)
-    shown = rf"$\mathbf{{{mean}}}$" if entry.is_best else f"${mean}$"
-    return " ".join([shown, *([r"$\pm$", spread] if spread else []), f"({entry.sample.n})"])
+    if standing.sample.n == 0:
+        return f"-- ({counted(standing)})"
+    mean, spread = _numbers(standing, decimals)
+    shown = rf"$\mathbf{{{mean}}}$" if standing.is_best else f"${mean}$"
+    return " ".join([shown, *([r"$\pm$", spread] if spread else []), f"({counted(standing)})"])
 
 
-def _numbers(entry: Entry, decimals: int) -> tuple[str, str]:
+def counted(standing: Standing) -> str:
+    """How many runs count: `16`, or `5 of 6` where some do not."""
+    n, runs = standing.sample.n, standing.runs
+    return str(n) if n == runs else f"{n} of {runs}"
+
+
+def _numbers(standing: Standing, decimals: int) -> tuple[str, str]:
     """Mean and standard deviation as they are printed; no deviation of a single value."""
     return (
-        f"{entry.sample.mean:.{decimals}f}",
-        f"{entry.sample.std:.{decimals}f}" if entry.sample.n > 1 else "",
+        f"{standing.sample.mean:.{decimals}f}",
+        f"{standing.sample.std:.{decimals}f}" if standing.sample.n > 1 else "",
     )

@@ -1,9 +1,10 @@
-"""Scores: the return each run of a sweep has reached, by curve and environment.
+"""Scores of a sweep: what each run reached, by entry and environment.
 
-A run's score is the latest value it measured, normalised where that is asked for (see
-`service.comparison`). Runs that go on have one too, so scores of a sweep that is not finished are
-those of now. NaN stands for a run that measured nothing yet, whose latest value is not finite, or
-whose environment has no random return yet.
+Only a run that reached its end has a score: one that goes on is not comparable yet, and one that
+failed, diverged or was cancelled never will be. NaN stands for those, and for a score that is not
+finite or whose environment has no random return yet. A cell is complete when every run of it has a
+score. What an incomplete one shows is the mean of those that did not fail, and seeds that fail are
+seldom the good ones: it may be shown, with how many it is of, but wins nothing.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -11,55 +12,87 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from service.comparison import grouped, label_cells, scale
+from service.comparison import grouped, scale
 from service.curves import Floats
+from service.entry import Entries
+from service.run import RunStatus, unfinished
 from service.run_curve import RunCurve
+from service.statistics.score import SCORES, Score
 from workers.random_return import RandomReturn
 from workers.run_spec import RunSpec
 
 
 @dataclass(frozen=True)
 class CellScores:
-    """The scores of the runs of one cell.
+    """The scores of the runs of one entry in one environment.
 
-    seeds   of its runs, ascending
-    values  [runs] in the order of `seeds`
-    ended   how many of the runs are final
+    place     of the entry in its request
+    seeds     of its runs, ascending
+    values    [runs] in the order of `seeds`
+    statuses  of the runs, in that order
     """
 
     spec: RunSpec
     label: str
+    place: int
     seeds: tuple[int, ...]
     values: Floats
-    ended: int
+    statuses: tuple[RunStatus, ...]
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether every run has a score."""
+        return bool(np.isfinite(self.values).all())
+
+    @property
+    def unfinished(self) -> dict[str, int]:
+        """How many runs have not reached their end, by status."""
+        return unfinished(self.statuses)
 
 
-def latest_scores(
+def sweep_scores(
     run_curves: Sequence[RunCurve],
+    entries: Entries,
+    score: Score,
     random_returns: Mapping[tuple[str, int], RandomReturn],
     best_return: Callable[[str], float],
     *,
     normalized: bool,
 ) -> list[CellScores]:
-    """Return the scores of a sweep, cells in the order of its runs."""
-    labels = label_cells({run.spec.cell: run.spec for run in run_curves})
+    """Return the scores of a sweep, cells in the order of its runs.
+
+    The curves are those of the score's own metric over timesteps.
+    """
+    cells = grouped(run_curves, lambda run: (run.spec.environment, entries.label(run.run_id)))
+    places = {entry.label: place for place, entry in enumerate(entries.all)}
     scores = []
-    for cell, runs in grouped(run_curves, lambda run: run.spec.cell).items():
+    for (environment, label), runs in cells.items():
         start, unit = 0.0, 1.0
         if normalized:
-            zero = random_returns.get((cell.environment, runs[0].environment_version))
-            start, unit = scale(zero, best_return(cell.environment))
+            zero = random_returns.get((environment, runs[0].environment_version))
+            start, unit = scale(zero, best_return(environment))
         ascending = sorted(runs, key=lambda run: run.spec.seed)
-        latest = np.array([run.values[-1] if len(run.values) else np.nan for run in ascending])
-        values = (latest - start) / unit
+        values = (np.array([_score(run, score) for run in ascending]) - start) / unit
         values[~np.isfinite(values)] = np.nan
         scores.append(
             CellScores(
                 spec=ascending[0].spec,
-                label=labels[cell],
+                label=label,
+                place=places[label],
                 seeds=tuple(run.spec.seed for run in ascending),
                 values=values,
-                ended=sum(run.status.is_final for run in runs),
+                statuses=tuple(run.status for run in ascending),
             )
         )
     return scores
+
+
+def labels_of(cells: Sequence[CellScores]) -> list[str]:
+    """Return the names of the cells' entries, each once, in the order of the request."""
+    return list(dict.fromkeys(cell.label for cell in sorted(cells, key=lambda cell: cell.place)))
+
+
+def _score(run: RunCurve, score: Score) -> float:
+    if run.status is not RunStatus.SUCCEEDED or not len(run.values):
+        return np.nan
+    return SCORES[score].of(run.x, run.values, run.spec.timesteps)

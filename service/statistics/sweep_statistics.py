@@ -1,7 +1,8 @@
-"""The statistics of one sweep: which tasks all its algorithms have in common, and what holds there.
+"""The statistics of one sweep: which tasks all its entries have in common, and what holds there.
 
-Not every algorithm runs in every task, and means over different tasks cannot be compared: only
-tasks in which every curve has a finite score count. A curve without any score yet is left out.
+Not every entry runs in every task, and means over different tasks cannot be compared: only tasks in
+which every entry has a finite score count. An entry without any score yet is left out. Where only
+some runs of a cell have a score, those count, and the cell is named.
 """
 
 from collections.abc import Sequence
@@ -20,7 +21,7 @@ from service.statistics.score_statistics import (
     performance_profile,
     probability_of_improvement,
 )
-from service.statistics.scores import CellScores
+from service.statistics.scores import CellScores, labels_of
 from service.statistics.stratified_bootstrap import Estimate
 
 THRESHOLDS = 101
@@ -29,7 +30,7 @@ LOWEST_THRESHOLD = -1.0
 
 @dataclass(frozen=True)
 class LabelStatistics:
-    """One curve's scores in the common tasks; `runs` is how many finite ones there are."""
+    """One entry's scores in the common tasks; `runs` is how many finite ones there are."""
 
     label: str
     algorithm: str
@@ -54,12 +55,14 @@ class SweepStatistics:
 
     lacking     by task that is not common: the labels without a score in it
     unscored    labels without a score in any task; they are left out
+    incomplete  cells of the common tasks in which some runs have no score
     thresholds  [k], of the profiles
     """
 
     tasks: tuple[str, ...]
     lacking: dict[str, list[str]]
     unscored: tuple[str, ...]
+    incomplete: tuple[CellScores, ...]
     labels: tuple[LabelStatistics, ...]
     improvements: tuple[Improvement, ...]
     thresholds: Floats
@@ -78,9 +81,11 @@ class _Scored:
 def sweep_statistics(cells: Sequence[CellScores]) -> SweepStatistics:
     """Return the statistics of a sweep's scores."""
     by_label = grouped([cell for cell in cells if _finite(cell).any()], lambda cell: cell.label)
-    unscored = [label for label in grouped(cells, lambda c: c.label) if label not in by_label]
+    unscored = [label for label in labels_of(cells) if label not in by_label]
     covered = {
-        label: {cell.spec.environment: cell for cell in own} for label, own in by_label.items()
+        label: {cell.spec.environment: cell for cell in by_label[label]}
+        for label in labels_of(cells)
+        if label in by_label
     }
     lacking = {
         task: [label for label, own in covered.items() if task not in own]
@@ -96,6 +101,12 @@ def sweep_statistics(cells: Sequence[CellScores]) -> SweepStatistics:
         tasks=tasks,
         lacking={task: without for task, without in lacking.items() if task not in tasks},
         unscored=tuple(unscored),
+        incomplete=tuple(
+            cell
+            for own in covered.values()
+            for task, cell in own.items()
+            if task in tasks and not cell.is_complete
+        ),
         labels=labels,
         improvements=improvements,
         thresholds=thresholds,

@@ -41,16 +41,8 @@ class Ending:
 
 def fail(connection: Connection, claim: Claim, error: str, log_tail: str) -> None:
     """End what is left of the claim as failed: an error in code, which would happen again."""
-    error, log_tail = _legible(error), _legible(log_tail)
-    reason = error.strip().rpartition("\n")[2] or "failed without a message"
     [held] = held_runs(connection, [claim])
-    end(
-        connection,
-        [
-            ended(row, RunStatus.FAILED, reason, error=error, log_tail=log_tail)
-            for row in held.values()
-        ],
-    )
+    end(connection, [failed(row, error, log_tail=log_tail) for row in held.values()])
 
 
 def release(connection: Connection, claim: Claim, reason: str) -> None:
@@ -87,6 +79,13 @@ def ended(
     """Return how a running run ends for good; without a timestep, where it was last heard of."""
     reached = row.timestep if timestep is None else timestep
     return Ending(row, status, reason, status.value, reached, error, log_tail)
+
+
+def failed(row: Row[Any], error: str, *, timestep: int | None = None, log_tail: str = "") -> Ending:
+    """Return how a running run ends by an error in code: its reason is the error's last line."""
+    error, log_tail = _legible(error), _legible(log_tail)
+    reason = error.strip().rpartition("\n")[2] or "failed without a message"
+    return ended(row, RunStatus.FAILED, reason, timestep=timestep, error=error, log_tail=log_tail)
 
 
 def end(connection: Connection, endings: Sequence[Ending]) -> None:

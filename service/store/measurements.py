@@ -90,6 +90,7 @@ def _insert(connection: Connection, fresh: Mapping[tuple[int, int], Measurement]
             _nan_as_null(measurement.seconds),
             set_numbers[tuple(measurement.diagnostics)],
             diagnostics.pack(measurement.diagnostics),
+            _nan_as_null(measurement.compile_seconds),
         )
         for (number, timestep), measurement in fresh.items()
     ]
@@ -125,6 +126,7 @@ def of_run(connection: Connection, run_id: str) -> list[Measurement]:
             jacobians=row.jacobians,
             seconds=row.seconds,
             diagnostics=diagnostics.unpack(names[row.diagnostic_set], row.diagnostics),
+            compile_seconds=row.compile_seconds,
         )
         for row in connection.execute(query)
     ]

@@ -148,6 +148,11 @@ def _endings(heard: Heard) -> list[Ending]:
             )
             step = divergence.timestep
             ends.append(endings.ended(row, RunStatus.DIVERGED, reason, timestep=step))
+    ends += [
+        endings.failed(row, failure.error, timestep=failure.timestep)
+        for failure in progress.failed
+        if (row := by_seed.get(failure.seed))
+    ]
     for seed in progress.dropped:
         if (row := by_seed.get(seed)) and row.is_cancelling:
             step = progress.timestep if seed in heard.in_training else row.timestep
@@ -157,6 +162,5 @@ def _endings(heard: Heard) -> list[Ending]:
 
 def _going_on(heard: Heard) -> set[str]:
     """The runs that the worker is to train further."""
-    progress = heard.progress
-    gone = {*progress.finished, *progress.dropped, *(d.seed for d in progress.diverged)}
+    gone = heard.progress.gone
     return {run_id for run_id, row in heard.held.items() if row.seed not in gone}

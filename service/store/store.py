@@ -115,6 +115,10 @@ class Store:
         """Return one sweep, or None."""
         return self._reader.read(lambda c: sweeps.find(c, sweep_id))
 
+    def sweep_request(self, sweep_id: str) -> Mapping[str, Any]:
+        """Return what was posted. Raises NotFoundError."""
+        return self._reader.read(lambda c: sweeps.request(c, sweep_id))
+
     def list_sweeps(self, after: str | None = None, limit: int = 50) -> list[Sweep]:
         """Return sweeps, newest first, from the one that follows the sweep `after`."""
         return self._reader.read(lambda c: sweeps.page(c, after, limit))

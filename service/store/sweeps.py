@@ -106,6 +106,15 @@ def get(connection: Connection, sweep_id: str) -> Sweep:
     return sweep
 
 
+def request(connection: Connection, sweep_id: str) -> Mapping[str, Any]:
+    """Return what a sweep was posted as. Raises NotFoundError."""
+    posted = connection.scalar(select(sweeps.c.request).where(sweeps.c.id == sweep_id))
+    if posted is None:
+        raise NotFoundError(f"there is no sweep {sweep_id!r}")
+    found: Mapping[str, Any] = posted
+    return found
+
+
 def page(connection: Connection, after: str | None, limit: int) -> list[Sweep]:
     """Return sweeps, newest first, from the one that follows the sweep named `after`."""
     numbers = select(sweeps.c.number).order_by(sweeps.c.number.desc()).limit(limit)
@@ -121,13 +130,16 @@ def _summaries(condition: ColumnElement[bool]) -> Select[Any]:
     counts = [
         func.count().filter(runs.c.status == status).label(status.value) for status in RunStatus
     ]
-    done = case((runs.c.status.in_(ACTIVE), runs.c.timestep), else_=runs.c.timesteps)
+    succeeded = runs.c.status == RunStatus.SUCCEEDED
+    done = case((succeeded, runs.c.timesteps), else_=runs.c.timestep)
+    left = case((runs.c.status.in_(ACTIVE), runs.c.timesteps - runs.c.timestep), else_=0)
     return (
         select(
             sweeps,
             *counts,
             func.min(runs.c.started_at).label("started_at"),
             func.coalesce(func.sum(done), 0).label("done"),
+            func.coalesce(func.sum(left), 0).label("left"),
             func.coalesce(func.sum(runs.c.timesteps), 0).label("asked"),
             now().label("clock"),
         )
@@ -139,12 +151,11 @@ def _summaries(condition: ColumnElement[bool]) -> Select[Any]:
 
 def _sweep(row: Row[Any]) -> Sweep:
     counts = RunCounts(**{status.value: getattr(row, status.value) for status in RunStatus})
-    progress = float(row.done) / float(row.asked)
     eta = None
     if counts.active == 0:
         eta = 0.0
-    elif row.started_at is not None and progress > 0 and counts.paused == 0:
-        eta = (row.clock - row.started_at) * (1 - progress) / progress
+    elif row.started_at is not None and row.done > 0 and counts.paused == 0:
+        eta = (row.clock - row.started_at) * float(row.left) / float(row.done)
     return Sweep(
         id=row.id,
         name=row.name,
@@ -154,7 +165,7 @@ def _sweep(row: Row[Any]) -> Sweep:
         started_at=row.started_at,
         status=_status(counts, row),
         runs=counts,
-        progress=progress,
+        progress=float(row.done) / float(row.asked),
         eta_seconds=eta,
     )
 

@@ -168,6 +168,7 @@ measurements = Table(
     Column("seconds", Exact),
     Column("diagnostic_set", Number, nullable=False),
     Column("diagnostics", LargeBinary, nullable=False),  # little-endian float64, in its set's order
+    Column("compile_seconds", Exact),
     sqlite_with_rowid=False,
 )
 

@@ -6,8 +6,9 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from algorithms import catalogue
+from algorithms.catalogue import Algorithm
 from service.environment import environment_facts
-from service.problems import Fault, faults_of
+from service.problems import Fault, faults_of, printable
 from service.schemas.sweep_request import MAX_RUNS, AlgorithmRequest, SweepRequest, Weights
 from service.submission.nearest import unknown_name
 
@@ -40,26 +41,30 @@ def name_faults(request: SweepRequest) -> list[Fault]:
 
 
 def product_faults(request: SweepRequest) -> list[Fault]:
-    """Refuse what would make two equal runs, and what an algorithm cannot do."""
+    """Refuse repeated seeds and environments, and what an algorithm cannot do.
+
+    Of algorithms that are not in the catalogue, `name_faults` tells.
+    """
     seeds = [] if isinstance(request.seeds, int) else request.seeds
     return [
         *_repeated({f"seeds[{i}]": seed for i, seed in enumerate(seeds)}),
         *_repeated({f"environments[{i}]": name for i, name in enumerate(request.environments)}),
-        *_unlisted_environments(request),
-        *_repeated_variants(request),
+        *_environments_faults(request),
         *_useless_weights(request),
         *_wrong_settings(request),
         *_impossible_pairs(request),
     ]
 
 
-def _unknown(named: Iterable[tuple[str, str]], find: Callable[[str], object]) -> Iterator[Fault]:
+def _unknown(named: Iterable[tuple[str, str]], find: Callable[[str], object]) -> list[Fault]:
     """Ask a catalogue, which knows the nearest name, for each."""
+    faults = []
     for field, name in named:
         try:
             find(name)
         except ValueError as unknown:
-            yield Fault(field, str(unknown))
+            faults.append(Fault(field, str(unknown)))
+    return faults
 
 
 def _repeated(values: Mapping[str, Value]) -> list[Fault]:
@@ -72,53 +77,45 @@ def _repeated(values: Mapping[str, Value]) -> list[Fault]:
     ]
 
 
-def _unlisted_environments(request: SweepRequest) -> list[Fault]:
-    """Refuse an algorithm's environment that is none of the sweep's."""
-    return [
-        Fault(f"algorithms[{i}].environments[{j}]", f"{name!r} is none of the sweep's environments")
-        for i, algorithm in enumerate(request.algorithms)
-        for j, name in enumerate(algorithm.environments or [])
-        if name not in request.environments
-    ]
-
-
-def _repeated_variants(request: SweepRequest) -> list[Fault]:
-    """Refuse two equal curves, of the first environment that has such."""
-    each = (_repeated(dict(_variants(request, name))) for name in request.environments)
-    return next(filter(None, each), [])
-
-
-def _variants(request: SweepRequest, environment: str) -> Iterator[tuple[str, object]]:
-    """Yield what tells curves of one environment apart, by the field that says it."""
+def _environments_faults(request: SweepRequest) -> Iterator[Fault]:
+    """Refuse an algorithm's environment that is none of the sweep's, or stands there twice."""
     for i, algorithm in enumerate(request.algorithms):
-        if not algorithm.runs_in(environment):
-            continue
-        config = tuple(sorted((name, repr(value)) for name, value in algorithm.config.items()))
-        listed = _listed(algorithm)
-        for j, weights in enumerate(listed):
-            field = f"algorithms[{i}].weights[{j}]" if len(listed) > 1 else f"algorithms[{i}]"
-            yield field, (algorithm.name, config, weights and (weights.w1, weights.w2))
+        own = {
+            f"algorithms[{i}].environments[{j}]": name
+            for j, name in enumerate(algorithm.environments or [])
+        }
+        yield from _repeated(own)
+        for field, name in own.items():
+            if name not in request.environments:
+                yield Fault(field, f"{printable(name)!r} is none of the sweep's environments")
+
+
+def _known(request: SweepRequest) -> Iterator[tuple[int, AlgorithmRequest, Algorithm]]:
+    """Yield the algorithms that the catalogue has, each with its place in the request."""
+    for i, each in enumerate(request.algorithms):
+        if not _unknown([("", each.name)], catalogue.find):
+            yield i, each, catalogue.find(each.name)
 
 
 def _useless_weights(request: SweepRequest) -> list[Fault]:
     return [
         Fault(
             f"algorithms[{i}].weights",
-            f"{algorithm.name} has no gradient terms to weigh: leave the weights out, or 0",
+            f"{asked.name} has no gradient terms to weigh: leave the weights out, or 0",
             0,
         )
-        for i, algorithm in enumerate(request.algorithms)
-        if not catalogue.find(algorithm.name).uses_weights
-        and any(weights and (weights.w1 or weights.w2) for weights in _listed(algorithm))
+        for i, asked, algorithm in _known(request)
+        if not algorithm.uses_weights
+        and any(weights and (weights.w1 or weights.w2) for weights in _listed(asked))
     ]
 
 
 def _wrong_settings(request: SweepRequest) -> Iterator[Fault]:
     """Refuse settings that the algorithm's config class does not take."""
-    for i, algorithm in enumerate(request.algorithms):
-        settings = catalogue.find(algorithm.name).config_class()
+    for i, asked, algorithm in _known(request):
+        settings = algorithm.config_class()
         try:
-            settings(**algorithm.config)
+            settings(**asked.config)
         except ValidationError as refusal:
             for error in refusal.errors():
                 yield _settings_fault(f"algorithms[{i}].config", error, settings)
@@ -135,13 +132,14 @@ def _impossible_pairs(request: SweepRequest) -> list[Fault]:
     return [
         Fault(
             f"environments[{j}]",
-            f"{algorithm.name} (algorithms[{i}]) needs the gradient of the reward, and "
+            f"{asked.name} (algorithms[{i}]) needs the gradient of the reward, and "
             f"{environment} has none: its reward is piecewise constant. Leave one of them out.",
         )
-        for i, algorithm in enumerate(request.algorithms)
-        if catalogue.find(algorithm.name).needs_reward_gradient
+        for i, asked, algorithm in _known(request)
+        if algorithm.needs_reward_gradient
         for j, environment in enumerate(request.environments)
-        if algorithm.runs_in(environment)
+        if asked.runs_in(environment)
+        and not _unknown([("", environment)], environment_facts)
         and not environment_facts(environment).reward_is_differentiable
     ]
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 
+from service.entry import Entry
 from service.problems import Fault
 from service.worker_memory import memory_of
 from workers.run_spec import RunSpec
@@ -9,9 +10,9 @@ from workers.run_spec import RunSpec
 SETTING = "D3PG_WORKER_MEMORY"
 
 
-def memory_faults(cells: Iterable[tuple[str, RunSpec]], worker_memory: int) -> Iterator[Fault]:
-    """Refuse cells, each with the field of its algorithm, of which not one run fits a worker."""
-    for field, cell in cells:
+def memory_faults(cells: Iterable[tuple[Entry, RunSpec]], worker_memory: int) -> Iterator[Fault]:
+    """Refuse cells, each with its entry, of which not one run fits a worker."""
+    for entry, cell in cells:
         needed = memory_of(cell.cell)
         if needed <= worker_memory:
             continue
@@ -21,9 +22,9 @@ def memory_faults(cells: Iterable[tuple[str, RunSpec]], worker_memory: int) -> I
         if a_step < needed:  # it grows with the timesteps
             most = worker_memory // a_step
             advice = f"ask for at most {most:,} timesteps, or set its replay_size to no more"
-            yield Fault("timesteps", f"{what} with {field}, and {limit}: {advice}", most)
+            yield Fault("timesteps", f"{what} with {entry.field}, and {limit}: {advice}", most)
         else:
-            yield Fault(field, f"{what}, and {limit}", worker_memory)
+            yield Fault(entry.field, f"{what}, and {limit}", worker_memory)
 
 
 def _text(size: int) -> str:

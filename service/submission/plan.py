@@ -1,15 +1,17 @@
 """What a posted sweep asks for: its cells (curves) and its seeds, whose product are the runs."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from algorithms.measurement import MEASURE_EVERY
 from algorithms.presets import preset
+from service.entry import Entries, Entry
 from service.environment import environment_facts
-from service.problems import InvalidRequest
-from service.schemas.sweep_request import AlgorithmRequest, SweepRequest, Weights
+from service.problems import Fault, InvalidRequest
+from service.schemas.sweep_request import SweepRequest
 from service.submission.check import cap_faults, name_faults, product_faults
 from service.submission.memory import memory_faults
+from service.submission.same_curve import notices, repetition_faults
 from workers.run_spec import RunSpec
 
 
@@ -17,12 +19,16 @@ from workers.run_spec import RunSpec
 class Plan:
     """A sweep before it is stored.
 
-    cells  one spec per curve; its seed is the first one
-    seeds  of every cell
+    cells    one spec per curve; its seed is the first one
+    labels   of the entries that the cells are of
+    seeds    of every cell
+    notices  what whoever submits it should know
     """
 
     cells: tuple[RunSpec, ...]
+    labels: tuple[str, ...]
     seeds: Sequence[int]
+    notices: tuple[str, ...]
 
     @property
     def runs(self) -> int:
@@ -54,46 +60,42 @@ def plan(request: SweepRequest, worker_memory: int) -> Plan:
     """Return the plan of a sweep.
 
     Raises InvalidRequest with everything that is wrong: first for a product above the cap, which
-    is counted and not expanded, then for names, then for what each cell asks, then for runs that
-    would fill more than the worker's memory.
+    is counted and not expanded, then for what its parts and its cells ask, then for runs that would
+    fill more than the worker's memory.
     """
-    for faults_of in (cap_faults, name_faults, product_faults):
-        if faults := faults_of(request):
-            raise InvalidRequest(faults)
+    _refuse(cap_faults(request))
     seeds = range(request.seeds) if isinstance(request.seeds, int) else tuple(request.seeds)
+    entries = Entries(request.model_dump(mode="json", exclude_unset=True))
     cells = [
-        (f"algorithms[{i}]", cell)
-        for environment in request.environments
-        for i, algorithm in enumerate(request.algorithms)
-        if algorithm.runs_in(environment)
-        for cell in _cells(algorithm, environment, request, seeds[0])
+        (entry, _spec(entry, environment, request, seeds[0]))
+        for environment, entry in entries.cells
     ]
-    if faults := list(memory_faults(cells, worker_memory)):
+    _refuse([*name_faults(request), *product_faults(request), *repetition_faults(cells)])
+    _refuse(list(memory_faults(cells, worker_memory)))
+    return Plan(
+        cells=tuple(spec for _, spec in cells),
+        labels=tuple(entry.label for entry, _ in cells),
+        seeds=seeds,
+        notices=tuple(notices(cells)),
+    )
+
+
+def _refuse(faults: Sequence[Fault]) -> None:
+    if faults:
         raise InvalidRequest(faults)
-    return Plan(tuple(cell for _, cell in cells), seeds)
 
 
-def _cells(
-    algorithm: AlgorithmRequest, environment: str, request: SweepRequest, seed: int
-) -> Iterator[RunSpec]:
-    """Yield a cell per pair of weights; what is not named is the preset's."""
-    usual = preset(algorithm.name, environment)
-    timesteps = _scaled(request.timesteps or usual.timesteps, request.scale)
-    asked = algorithm.weights
-    if asked is None:
-        pairs = [usual.weights]
-    else:
-        listed = [asked] if isinstance(asked, Weights) else asked
-        pairs = [(weights.w1, weights.w2) for weights in listed]
-    for weights in pairs:
-        yield RunSpec(
-            algorithm=algorithm.name,
-            environment=environment,
-            seed=seed,
-            weights=weights,
-            timesteps=timesteps,
-            config={**usual.config, **algorithm.config},
-        )
+def _spec(entry: Entry, environment: str, request: SweepRequest, seed: int) -> RunSpec:
+    """Return the entry's cell in one environment; what it does not state is the preset's."""
+    usual = preset(entry.algorithm, environment)
+    return RunSpec(
+        algorithm=entry.algorithm,
+        environment=environment,
+        seed=seed,
+        weights=usual.weights if entry.weights is None else entry.weights,
+        timesteps=_scaled(request.timesteps or usual.timesteps, request.scale),
+        config={**usual.config, **entry.config},
+    )
 
 
 def _scaled(timesteps: int, scale: float) -> int:

@@ -16,7 +16,8 @@ import algorithms
 from algorithms import commands, display
 from algorithms.commands import app
 from algorithms.curve_file import COLUMNS, CurveFile
-from algorithms.measurement import Divergence, Measurement
+from algorithms.early_end import Divergence
+from algorithms.measurement import Measurement
 from algorithms.outcome import Outcome
 
 CALL = ["train", "gd", "MassPoint", "--timesteps", "1600"]
@@ -90,8 +91,8 @@ def test_a_diverged_run_is_code_1(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(commands, "prepared", lambda *_: Diverging)
     code, said = run(*CALL, "--seeds", "2")
     assert code == 1
-    assert "diverged at timestep 20: gradient not finite" in said
-    assert "1 of 2 runs diverged." in said
+    assert "seed 1 diverged: gradient not finite at update 1, timestep 20" in said
+    assert "1 of 2 runs ended early." in said
 
 
 def test_ctrl_c_keeps_what_was_measured_and_is_code_130(tmp_path: Path) -> None:
@@ -156,7 +157,7 @@ def test_the_summary_has_a_row_for_every_run() -> None:
     rows = console.export_text().splitlines()
     assert [" ".join(row.split()) for row in rows[1:]] == [
         "0 800 -2.00 -4.00 0.5",
-        "1 - - - - diverged at timestep 40: gradient not finite",
+        "1 - - - - diverged: gradient not finite at update 2, timestep 40",
         "2 - - - - not measured",
         "mean -2.00 -4.00",
     ]

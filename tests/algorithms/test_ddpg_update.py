@@ -70,12 +70,12 @@ def test_update_is_the_equations(
     before = [part.copy() for part in (actor.theta, actor.target, critic.theta, critic.target)]
 
     rates = Rates(np.float32(GAMMA), np.float32(TAU), ACTOR_RATE, CRITIC_RATE, np.float32(DECAY))
-    done = update(
+    done, lost = update(
         actor, critic, 0, where.memory, rows[None], where.coordinates, where.scaling, rates,
         matching_of(weights, by_cosine=distance is angular), shapes, empty_report(1),
     )  # fmt: skip
 
-    assert done == 1
+    assert (done, lost) == (1, -1)
     assert_stepped(actor, before[0], actor_loss, pi, ACTOR_RATE)
     assert_stepped(critic, before[2], critic_loss, q, CRITIC_RATE)
     assert_followed(actor, before[1])

@@ -74,7 +74,9 @@ def test_it_is_the_gradient_of_torch_through_whole_episodes(name: str) -> None:
     settings = [setting(task, seed) for seed in (1, 5)]
     shape = settings[0][1]
     policies = [policy for policy, *_ in settings]
-    episodes = live(task, policies, shape, np.stack([starts for *_, starts in settings]))
+    episodes, failures = live(task, policies, shape, np.stack([starts for *_, starts in settings]))
+    assert episodes is not None
+    assert not failures
     for k, (policy, _, starts) in enumerate(settings):
         gradient = np.empty_like(policy.theta)
         return_gradient(

@@ -5,9 +5,10 @@ import pytest
 
 import algorithms
 import physics
+from algorithms.early_end import Divergence, EarlyEnd
 from algorithms.gd import GDLearner
 from algorithms.gd_config import GDConfig
-from algorithms.measurement import Divergence, Measurement
+from algorithms.measurement import Measurement
 from algorithms.mpc import first_plans
 from algorithms.rollout import start_states
 from physics.environment import BoolArray, FloatArray
@@ -43,8 +44,8 @@ class Steep(LinearQuadratic):
         return np.array([1e3 if generator.uniform() < 0.5 else 1.0, 0.0, 0.0])
 
 
-def events(learner: GDLearner) -> list[Measurement | Divergence]:
-    found: list[Measurement | Divergence] = []
+def events(learner: GDLearner) -> list[Measurement | EarlyEnd]:
+    found: list[Measurement | EarlyEnd] = []
     while not learner.finished:
         found += learner.advance()
     return found
@@ -60,25 +61,26 @@ def test_its_first_actor_is_that_of_the_other_learners() -> None:
     """The first episode is the one that MPC plans from."""
     task = physics.make("Pendulum")
     learner = GDLearner(task, [0, 3], 800, GDConfig())
-    expected = first_plans(task, [0, 3], 64)
+    expected, _ = first_plans(task, [0, 3], 64)
     lived = learner._live()
-    np.testing.assert_array_equal(lived.rewards[:, :, 0].T, expected.rewards)
+    for seed, rewards in zip([0, 3], expected.rewards, strict=True):
+        np.testing.assert_array_equal(lived[seed]().rewards[:, 0], rewards)
 
 
 def test_episodes_that_end_early_cost_fewer_timesteps() -> None:
     learner = GDLearner(physics.make("CartPole"), [0, 1], 8_000, GDConfig(episodes=2))
     lived = learner._live()
     learner.advance()
-    assert learner.timestep == lived.ends.sum(axis=1).min() < 400
+    assert learner.timestep == min(int(lived[seed]().ends.sum()) for seed in (0, 1)) < 400
 
 
 def test_a_gradient_that_is_not_finite_ends_its_run_alone() -> None:
     task, seeds = Steep(), range(8)
     learner = GDLearner(task, seeds, 800, GDConfig())
-    starts = start_states(task, [(seed, "episode", 0) for seed in seeds])
+    starts, _ = start_states(task, [(seed, "episode", 0) for seed in seeds])
     on_cliff = [seed for seed in seeds if starts[seed, 0] > 500.0]
     said = learner.advance()
-    assert said == [Divergence(seed, 20, 1, "gradient") for seed in on_cliff]
+    assert said == [Divergence(seed, 20, 1, "actor gradient") for seed in on_cliff]
     assert learner.seeds == [seed for seed in seeds if seed not in on_cliff] != []
 
 

@@ -7,10 +7,11 @@ from scipy.optimize import lsq_linear
 
 import physics
 from algorithms.ilqr import Planner
-from algorithms.ilqr_episode import Episodes, replay, roll_out
+from algorithms.ilqr_episode import Episodes, replay
 from physics.environment import Environment, FloatArray
 from physics.randomness import generator
 from tests.algorithms.linear_quadratic import COST, FB, LinearQuadratic
+from tests.algorithms.rolled_out import roll_out
 
 N = LinearQuadratic.state_size
 

@@ -12,11 +12,12 @@ from algorithms.ilqr_backward import (
     new_work,
     raise_level,
 )
-from algorithms.ilqr_episode import Episodes, roll_out
+from algorithms.ilqr_episode import Episodes
 from algorithms.ilqr_expansion import curved_directions, expand, new_expansion
 from physics.environment import FloatArray
 from physics.randomness import generator
 from tests.algorithms.linear_quadratic import COST, FB, LinearQuadratic
+from tests.algorithms.rolled_out import roll_out
 
 TASK = LinearQuadratic()
 N, T = TASK.state_size, TASK.horizon

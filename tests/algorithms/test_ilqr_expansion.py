@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import physics
-from algorithms.ilqr_episode import roll_out
 from algorithms.ilqr_expansion import Expansion, curved_directions, expand, new_expansion
 from physics.environment import Environment, FloatArray
 from physics.randomness import generator
 from tests.algorithms.linear_quadratic import COST, FB, LinearQuadratic
+from tests.algorithms.rolled_out import roll_out
 
 TASKS = ["Pendulum", "CartPole", "CartPoleSwingUp", "MountainCar", "MassPoint"]
 

@@ -5,11 +5,12 @@ import pytest
 
 import physics
 from algorithms.ilqr_backward import Gains, new_gains
-from algorithms.ilqr_episode import Episodes, roll_out
+from algorithms.ilqr_episode import Episodes
 from algorithms.ilqr_search import ALPHAS, search, try_alphas
 from physics.cart_pole import CartPole
 from physics.environment import Environment, FloatArray, Transition, UnsolvedStepError
 from physics.randomness import generator
+from tests.algorithms.rolled_out import roll_out
 
 PLANS = 3
 

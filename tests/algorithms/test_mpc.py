@@ -51,7 +51,8 @@ def iter_events(learner: Learner) -> list[object]:
 
 
 def start(task: Environment, seed: int) -> FloatArray:
-    state: FloatArray = start_states(task, [(seed, "episode", 0)])[0]
+    states, _ = start_states(task, [(seed, "episode", 0)])
+    state: FloatArray = states[0]
     return state
 
 
@@ -96,7 +97,7 @@ def test_with_bounds_it_earns_what_a_reference_program_does(horizon: int) -> Non
 
 def test_it_predicts_with_what_is_collected_planned_and_left_of_the_first_rollout() -> None:
     task, seeds = physics.make("CartPoleSwingUp"), [0, 1]
-    initial = first_plans(task, seeds, 64)
+    initial, _ = first_plans(task, seeds, 64)
     learner = MPCLearner(task, seeds, 4_000, MPCConfig(horizon=30, iterations=1))
     found = whole(learner)
     for p, seed in enumerate(seeds):

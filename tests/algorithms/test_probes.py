@@ -52,7 +52,7 @@ def test_solved(probe: Probe, name: str) -> None:
             reached[event.seed] = event.return_mean
 
     index = TIMESTEPS // EVERY
-    starts = start_states(probe, [(seed, "evaluation", index) for seed in SEEDS])
+    starts, _ = start_states(probe, [(seed, "evaluation", index) for seed in SEEDS])
     best = returns(probe, starts, probe.answer)
     idle = returns(probe, starts, lambda s: np.zeros((len(s), 1)))
     regret = (best - list(reached.values())).mean()

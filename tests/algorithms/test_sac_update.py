@@ -83,12 +83,12 @@ def test_update_is_the_equations(name: str, weights: tuple[float, float]) -> Non
     followed = networks.value.target.copy()
 
     report = empty_report(1)
-    done = update(
+    done, lost = update(
         networks, 0, where.memory, rows[None], noise, where.coordinates, where.scaling,
         RATES, matching_of(weights, by_cosine=False), shapes, report,
     )  # fmt: skip
 
-    assert done == 1
+    assert (done, lost) == (1, -1)
     losses = [policy_loss, value_loss, *critic_losses]
     for net, old, loss, plain in zip(nets, before, losses, [policy, v, q1, q2], strict=True):
         assert_stepped(net, old, loss, plain, RATE)

@@ -91,11 +91,13 @@ FIELDS = (
 def test_no_quantity_is_left_out(place: int) -> None:
     task = OneInfinity()
     task.place = place
-    with pytest.raises(NotFiniteError, match=rf"{FIELDS[place]}\[?.* of row 2 is -inf"):
+    with pytest.raises(NotFiniteError, match=rf"{FIELDS[place]}\[?.* of row 2 is -inf") as raised:
         task.differentiate(np.zeros((3, 1)), np.zeros((3, 1)))
+    assert raised.value.quantity == FIELDS[place].replace("_", " ")
 
 
 def test_the_rows_survive_the_way_to_another_process() -> None:
-    error = NotFiniteError("row 3 is nan", [3, 5])
+    error = NotFiniteError("row 3 is nan", [3, 5], "reward")
     returned = pickle.loads(pickle.dumps(error))  # noqa: S301 - our own
     assert (str(returned), returned.rows) == ("row 3 is nan", (3, 5))
+    assert returned.quantity == "reward"

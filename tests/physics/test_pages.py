@@ -1,6 +1,9 @@
 """The pages on the tasks say what the code says."""
 
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -14,6 +17,25 @@ DOCS = Path(__file__).parents[2] / "docs"
 
 def test_the_audits_page_holds_its_record() -> None:
     assert as_table(read_record()) in (DOCS / "gradient-audit.md").read_text()
+
+
+@pytest.mark.parametrize("document", ["README.md", "docs/tasks.md", "docs/gymnasium.md"])
+def test_what_a_page_shows_runs(document: str, tmp_path: Path) -> None:
+    blocks = re.findall(r"```python\n(.*?)```", (DOCS.parent / document).read_text(), re.DOTALL)
+    others = ("service.client", "algorithms.train")  # a service, and minutes of training
+    script = tmp_path / "shown.py"
+    shown = [block for block in blocks if not any(other in block for other in others)]
+    assert shown
+    script.write_text("".join(shown))
+    answer = subprocess.run(
+        [sys.executable, "-W", "error", script],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(DOCS.parent)},
+    )
+    assert answer.returncode == 0, answer.stderr
 
 
 @pytest.mark.parametrize("name", OWN)

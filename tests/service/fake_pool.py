@@ -7,7 +7,8 @@ crash, freeze, disobey and raise; what the dispatcher then does shows in the sto
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 
-from algorithms.measurement import Divergence, Measurement
+from algorithms.early_end import Divergence
+from algorithms.measurement import Measurement
 from workers.pool import PoolUnavailableError
 from workers.progress import Progress
 from workers.random_return import RandomReturn
@@ -21,7 +22,9 @@ CYCLE = 800
 def measurement_of(seed: int, timestep: int) -> Measurement:
     """What a run measures there, whoever trains it."""
     value = -1000.0 / timestep - seed
-    return Measurement(seed, timestep, value, value / 2, timestep // 2, 0, 0.1, {"loss": value})
+    return Measurement(
+        seed, timestep, value, value / 2, timestep // 2, 0, 0.1, {"loss": value}, 0.05
+    )
 
 
 @dataclass

@@ -5,22 +5,45 @@ from typing import Any
 
 import numpy as np
 
+from service.entry import Entries
 from service.run import RunStatus
 from service.run_curve import RunCurve
 from service.statistics.scores import CellScores
 from workers.run_spec import RunSpec
 
 
+class ByAlgorithm(Entries):
+    """Every algorithm of some runs is an entry, in the order of the runs."""
+
+    def __init__(self, runs: Sequence[RunCurve]) -> None:
+        """Take the runs as those of one sweep."""
+        algorithms = dict.fromkeys(run.spec.algorithm for run in runs)
+        environments = [run.spec.environment for run in runs]
+        request = {"algorithms": [{"name": name} for name in algorithms]}
+        super().__init__({**request, "environments": environments, "seeds": 1})
+        self._algorithms = {run.run_id: run.spec.algorithm for run in runs}
+
+    def label(self, run_id: str) -> str:
+        """The run's algorithm."""
+        return self._algorithms[run_id]
+
+
 def cell(
-    label: str, environment: str, values: Sequence[float], seeds: Sequence[int] | None = None
+    label: str,
+    environment: str,
+    values: Sequence[float],
+    seeds: Sequence[int] | None = None,
+    statuses: Sequence[RunStatus] = (),
+    place: int = 0,
 ) -> CellScores:
-    """A cell whose runs have ended; its algorithm goes by the label."""
+    """A cell whose runs succeeded, unless statuses say else; its algorithm goes by the label."""
     return CellScores(
         spec=RunSpec(label, environment, 0),
         label=label,
+        place=place,
         seeds=tuple(range(len(values)) if seeds is None else seeds),
         values=np.array(values, np.float64),
-        ended=len(values),
+        statuses=tuple(statuses) or (RunStatus.SUCCEEDED,) * len(values),
     )
 
 

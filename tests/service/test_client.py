@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from fastapi import FastAPI
 
-from service.client import Client, ServiceError
+from service.client import Client, ServiceError, SubmissionNotice
 from service.schemas.sweep_request import SweepRequest
 from service.store.store import Store
 from tests.service.conftest import SWEEP, TOKEN, changed
@@ -50,6 +50,13 @@ def test_a_model_and_a_mapping_are_submitted_alike(service: Client) -> None:
     assert of_mapping.id != of_model.id
     assert [sweep.id for sweep in service.sweeps()] == [of_model.id, of_mapping.id]
     assert service.sweep(of_model.id) == of_model
+
+
+def test_notices_of_a_submission_are_warnings(service: Client) -> None:
+    request = changed(algorithms=[{"name": "hybrid-ddpg", "weights": {"w1": 0, "w2": 0}}])
+    with pytest.warns(SubmissionNotice, match="it is ddpg, bit for bit"):
+        sweep = service.submit(request)
+    assert service.estimate(request).notices == sweep.notices
 
 
 def test_an_estimate_queues_nothing(service: Client) -> None:

@@ -19,7 +19,8 @@ from sse_starlette.sse import AppStatus
 from starlette.responses import JSONResponse
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from algorithms.measurement import Divergence, Measurement
+from algorithms.early_end import Divergence
+from algorithms.measurement import Measurement
 from service.access_token import signin_link
 from service.app import create_app
 from service.claim import Claim
@@ -192,6 +193,7 @@ def measurements(spec: RunSpec, start: int, end: int) -> list[Measurement]:
             jacobians=32 * int(step) if uses_jacobians else 0,
             seconds=float(step) * (4e-3 + 1e-4 * spec.seed),
             diagnostics={"critic_loss": float(1.05 - share) ** 2},
+            compile_seconds=0.25,
         )
         for step, value, mean, share in zip(grid, returns, history, normalized, strict=True)
         if start < step <= end

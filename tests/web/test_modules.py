@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page
 
-from service.figures.palette import COLOURS, colour
+from service.figures.palette import BLUE, COLOURS, colour
 
 pytestmark = pytest.mark.browser
 
@@ -62,10 +62,38 @@ def test_bands_in_words(signed_in: Page) -> None:
     assert call(signed_in, "format", "withBand", -3.0, None, None) == "−3"
 
 
+@pytest.mark.parametrize(
+    ("x", "label"), [("seconds", "processor seconds of training"), ("timesteps", "timesteps")]
+)
+def test_axes_say_what_they_are_over(signed_in: Page, x: str, label: str) -> None:
+    assert call(signed_in, "view", "xLabel", x) == label
+
+
+def test_what_a_run_cost_is_no_diagnostic_of_it(signed_in: Page) -> None:
+    names = ["timestep", "seconds", "compile_seconds", "critic_loss"]
+    columns = {name: [1.0] for name in names}
+    charts = call(signed_in, "diagnostics", "chartsOf", columns)
+    assert [name for chart in charts for name in chart["names"]] == ["critic_loss"]
+
+
 def test_colours_are_those_of_the_figures_in_files(signed_in: Page) -> None:
     for algorithm in [*COLOURS, "somebody-s-own", "td3", "ppo"]:
         ours = call(signed_in, "palette", "algorithmColour", algorithm)
         assert ours == colour(algorithm).lower()
+
+
+def test_no_two_entries_share_colour_and_dash(signed_in: Page) -> None:
+    """Twelve of one algorithm, and others' algorithms that happen on the same colour."""
+    others = [name for name in map("algorithm-{}".format, range(60)) if colour(name) == BLUE]
+    entries = [{"label": f"ddpg {k}", "algorithm": "ddpg"} for k in range(12)]
+    entries += [{"label": name, "algorithm": name} for name in others]
+    assert others
+    script = """async ([path, entries]) => {
+      const { identities } = await import(path);
+      return [...identities(entries).values()].map(({ colour, dash }) => `${colour} ${dash}`);
+    }"""
+    shown = signed_in.evaluate(script, [address(signed_in, "identity"), entries])
+    assert len(set(shown)) == len(entries)
 
 
 def test_grids_are_joined_without_inventing_values(signed_in: Page) -> None:

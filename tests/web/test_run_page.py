@@ -25,7 +25,7 @@ def test_a_run_s_curves_grow(signed_in: Page, live: LiveService, sweep: Sweep, s
     signed_in.emulate_media(color_scheme="dark" if scheme == "dark" else "light")
     signed_in.goto(f"{live.url}/runs/{sweep.id}-5")
     expect(signed_in.get_by_role("heading", level=1)).to_have_text(
-        "hybrid-ddpg, w1 0.1, w2 0.1 in Pendulum, seed 1"
+        "hybrid-ddpg in Pendulum, seed 1"
     )
     returns = signed_in.get_by_role("figure", name="Return")
     returns.get_by_text("View as table").click()

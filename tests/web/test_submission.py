@@ -74,6 +74,38 @@ def test_who_cannot_learn_somewhere_takes_no_part_there(signed_in: Page, live: L
     expect(signed_in.locator("#estimate")).to_contain_text("12 runs")
 
 
+def test_what_is_to_be_known_is_said_before_it_is_sent(signed_in: Page, live: LiveService) -> None:
+    draft = {
+        "algorithms": [{"name": "ddpg"}, {"name": "hybrid-ddpg", "weights": {"w1": 0, "w2": 0}}],
+        "environments": ["Pendulum"],
+    }
+    signed_in.goto(f"{live.url}/?new={quote(json.dumps(draft))}")
+    notices = signed_in.locator("#submission-notices")
+    expect(notices).to_contain_text(
+        "algorithms[1] (hybrid-ddpg) has the weights (0, 0) in Pendulum"
+    )
+    expect(notices).to_contain_text("it is ddpg, bit for bit")
+    signed_in.locator("#weights-hybrid-ddpg").fill("1, 0")
+    expect(notices).to_be_hidden()
+
+
+def test_an_entry_that_is_there_twice_is_said_beside_it(
+    signed_in: Page, live: LiveService, complaints: list[str]
+) -> None:
+    draft = {
+        "algorithms": [
+            {"name": "hybrid-ddpg", "weights": [{"w1": 0.1, "w2": 0}, {"w1": 1}, {"w1": 0.1}]}
+        ],
+        "environments": ["Pendulum"],
+    }
+    signed_in.goto(f"{live.url}/?new={quote(json.dumps(draft))}")
+    fault = signed_in.locator(".learner .fault").first
+    expect(fault).to_contain_text("is the same as algorithms[0].weights[0] in Pendulum")
+    expect(signed_in.get_by_role("button", name="Submit")).to_be_disabled()
+    assert all("422" in complaint for complaint in complaints)
+    complaints.clear()
+
+
 def test_errors_stand_beside_their_fields(
     signed_in: Page, live: LiveService, complaints: list[str]
 ) -> None:

@@ -5,7 +5,8 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 
 import numpy as np
 
-from algorithms.measurement import Divergence, Measurement
+from algorithms.early_end import Divergence, EarlyEnd
+from algorithms.measurement import Measurement
 from algorithms.snapshot import Snapshot
 from algorithms.state import Saved, State
 from workers.run_spec import RunSpec
@@ -15,7 +16,9 @@ CYCLE = 100
 
 def measurement_of(seed: int, timestep: int) -> Measurement:
     """What a seed measures there."""
-    return Measurement(seed, timestep, -float(seed), -1.0 / timestep, timestep // 2, 0, 0.0, {})
+    return Measurement(
+        seed, timestep, -float(seed), -1.0 / timestep, timestep // 2, 0, 0.0, {}, 0.0
+    )
 
 
 class FakeLearner:
@@ -38,10 +41,10 @@ class FakeLearner:
     def finished(self) -> bool:
         return not self.seeds or self.timestep >= self._timesteps
 
-    def advance(self) -> list[Measurement | Divergence]:
+    def advance(self) -> list[Measurement | EarlyEnd]:
         diverging = self._before_cycle(self.timestep)
         self.timestep += CYCLE
-        said: list[Measurement | Divergence] = [
+        said: list[Measurement | EarlyEnd] = [
             Divergence(seed, self.timestep, self.timestep // 2, "critic loss")
             for seed in self.seeds
             if seed in diverging

@@ -17,8 +17,8 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+from algorithms.early_end import Divergence
 from algorithms.learner import Learner
-from algorithms.measurement import Divergence
 from algorithms.state import State
 from workers import cadence
 from workers.assignment import Assignment
@@ -50,7 +50,7 @@ def train(specs: Sequence[RunSpec], root: Place, attempt: int, result: Path) -> 
     digest = hashlib.sha256(repr(sorted(measured.items())).encode())
     for seed, learner in sorted(learners.items()):
         for name, array in sorted(came_to(learner, seed).items()):
-            if name != "seconds":
+            if name not in {"seconds", "compile_seconds"}:
                 digest.update(f"{seed} {name}".encode() + array.tobytes())
     assert not any(isinstance(d, Divergence) for progress in said for d in progress.diverged)
     result.write_text(json.dumps({"begun": begun, "digest": digest.hexdigest()}))

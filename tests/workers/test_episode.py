@@ -43,7 +43,7 @@ def test_its_return_is_that_of_evaluation(environment: Environment) -> None:
     policies = learnt(environment).policies()
     starts = environment.initial_states([5])
     episode: Episode = play(environment, policies, starts[0])
-    (expected,) = episode_returns(environment, policies, starts)
+    (expected,), _ = episode_returns(environment, policies, starts)
     assert episode.rewards.sum() == pytest.approx(expected, rel=1e-12)
 
 

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from algorithms.measurement import Divergence, Measurement
+from algorithms.early_end import Divergence
+from algorithms.measurement import Measurement
 from workers.progress import Activity, CheckpointAttempt, Progress, Resumption
 from workers.random_return import RandomReturn
 from workers.report import (
@@ -36,6 +37,7 @@ MEASUREMENTS = st.builds(
     jacobians=COUNTS,
     seconds=st.floats(),
     diagnostics=st.dictionaries(st.text(), st.floats()),
+    compile_seconds=st.floats(),
 )
 
 

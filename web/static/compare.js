@@ -1,6 +1,6 @@
 /** Two or more sweeps or runs: their curves on one axis, their settings side by side. */
 import { address, get } from "./api.js";
-import { comparedRun, comparedSweep, overlaid } from "./compared.js";
+import { comparedRun, comparedSweep, overlaid, overlaidEntries } from "./compared.js";
 import * as connection from "./connection.js";
 import { Controls } from "./controls.js";
 import { fillDifferences } from "./differences.js";
@@ -12,7 +12,7 @@ import { follow } from "./live.js";
 import { MetricChoice } from "./metric_choice.js";
 import { Panel } from "./panel.js";
 import { Refresh } from "./refresh.js";
-import { CURVE_FIELDS, flag, list, name, oneOf, View } from "./view.js";
+import { CURVE_FIELDS, flag, list, name, oneOf, View, xLabel } from "./view.js";
 
 const MAX_POINTS = 300;
 const OFFERED = 200;
@@ -89,10 +89,10 @@ async function load(signal) {
 
 function draw() {
   const panels = overlaid(compared);
-  const known = identities(panels);
+  const known = identities(overlaidEntries(compared));
   const isNormalized = RETURNS.includes(view.get("metric")) && view.get("scale") === "normalized";
   const axes = {
-    xLabel: view.get("x"),
+    xLabel: xLabel(view.get("x")),
     yLabel: isNormalized ? `normalised ${view.get("metric")}` : view.get("metric"),
     xMax: null,
   };
@@ -100,7 +100,7 @@ function draw() {
   at("curves").hidden = at("settings").hidden = isEmpty;
   showChosen(compared);
   if (isEmpty) return;
-  legend.update(known);
+  legend.update(known, panels);
   showPanels(panels.map((panel) => ({ panel, known, axes })));
   const differing = fillDifferences(at("differences"), compared, view.get("same"));
   at("alike").hidden = differing > 0 || compared.length < 2;

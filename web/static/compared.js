@@ -4,7 +4,6 @@
  */
 import { get } from "./api.js";
 import { flat } from "./facts.js";
-import { learnerText } from "./run_text.js";
 
 /** @param question what is asked of a sweep's curves */
 export async function comparedSweep(id, question, signal) {
@@ -15,6 +14,7 @@ export async function comparedSweep(id, question, signal) {
     name: sweep.name,
     page: `/sweeps/${id}`,
     settings: flat(sweepSettings(sweep)),
+    entries: sweep.entries,
     panels,
   };
 }
@@ -25,13 +25,14 @@ export async function comparedRun(id, question, signal) {
   const ordinal = id.slice(id.indexOf("-") + 1);
   const curves = `/sweeps/${run.sweep_id}/curves`;
   const { panels } = await get(curves, { ...question, run: ordinal }, signal);
-  const label = `${learnerText(run)}, seed ${run.seed}`;
+  const label = `${run.label}, seed ${run.seed}`;
   const { algorithm, environment, seed, timesteps, weights, config, fingerprint } = run;
   return {
     id,
     name: `run ${id}`,
     page: `/runs/${id}`,
     settings: flat({ algorithm, environment, seed, timesteps, ...weights, config, fingerprint }),
+    entries: [{ label, algorithm }],
     panels: panels.map((panel) => ({
       ...panel,
       curves: panel.curves.map((curve) => ({ ...curve, label })),
@@ -57,16 +58,24 @@ function weightsText(weights) {
 
 /** The panels of all of them, environment by environment; a label says whose curve it is. */
 export function overlaid(compared) {
-  const names = compared.map(({ name }) => name);
   const panels = new Map();
-  for (const { id, name, panels: own } of compared) {
-    const isUnique = names.indexOf(name) === names.lastIndexOf(name);
-    const whose = isUnique ? name : `${name} (${id})`;
-    for (const panel of own) {
-      const curves = panel.curves.map((curve) => ({ ...curve, label: `${curve.label} · ${whose}` }));
+  for (const one of compared) {
+    for (const panel of one.panels) {
+      const curves = panel.curves.map((curve) => labelled(curve, one, compared));
       const joined = panels.get(panel.environment) ?? { ...panel, curves: [] };
       panels.set(panel.environment, { ...joined, curves: [...joined.curves, ...curves] });
     }
   }
   return [...panels.values()];
+}
+
+/** The entries of all of them, labelled as their curves are. */
+export function overlaidEntries(compared) {
+  return compared.flatMap((one) => one.entries.map((entry) => labelled(entry, one, compared)));
+}
+
+/** Under a label that says whose it is: equal ones of two sweeps are told apart by their names. */
+function labelled(thing, { id, name }, compared) {
+  const isUnique = compared.filter((other) => other.name === name).length === 1;
+  return { ...thing, label: `${thing.label} · ${isUnique ? name : `${name} (${id})`}` };
 }

@@ -7,7 +7,7 @@ const GROUPS = [
   ["Gradient norms", (name) => name.includes("norm") && !name.includes("ratio")],
   ["Losses", (name) => name.includes("loss")],
 ];
-const X_COLUMNS = ["timestep", "updates", "jacobians", "seconds"];
+const COSTS = ["timestep", "updates", "jacobians", "seconds", "compile_seconds"];
 
 /** What a diagnostic says, as far as its name does not. */
 const MEANINGS = {
@@ -22,7 +22,7 @@ const MEANINGS = {
 
 /** @returns [{ title, caption, names }] of the columns that there are */
 export function chartsOf(columns) {
-  const names = Object.keys(columns).filter((name) => !X_COLUMNS.includes(name));
+  const names = Object.keys(columns).filter((name) => !COSTS.includes(name));
   const groups = GROUPS.map(([title, belongs]) => ({ title, names: names.filter(belongs) }));
   const grouped = new Set(groups.flatMap((group) => group.names));
   const others = names.filter((name) => !grouped.has(name));

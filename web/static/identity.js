@@ -2,23 +2,20 @@
 import { algorithmColour, dashPattern } from "./palette.js";
 
 /**
- * The curves of a sweep over all of its panels, in the order in which they were submitted. The
- * service labels a curve by its algorithm and what tells it from its neighbours, so the label is
- * its identity; weights that only differ from task to task are the same curve.
+ * The entries of a request, in its order, shown or not: a curve is of one of them, and the entry's
+ * label is its identity.
  *
- * @returns Map from label to { label, colour, dash, runs }; `runs` counts those of all panels
+ * @param entries [{ label, algorithm }]
+ * @returns Map from label to { label, colour, dash }
  */
-export function identities(panels) {
+export function identities(entries) {
+  const variants = new Map(); // of a colour: algorithms that others added may share one
   const known = new Map();
-  const variants = new Map();
-  for (const { label, algorithm, runs } of panels.flatMap((panel) => panel.curves)) {
-    if (!known.has(label)) {
-      const variant = variants.get(algorithm) ?? 0;
-      variants.set(algorithm, variant + 1);
-      const dash = dashPattern(variant);
-      known.set(label, { label, colour: algorithmColour(algorithm), dash, runs: 0 });
-    }
-    known.get(label).runs += runs;
+  for (const { label, algorithm } of entries) {
+    const colour = algorithmColour(algorithm);
+    const variant = variants.get(colour) ?? 0;
+    variants.set(colour, variant + 1);
+    known.set(label, { label, colour, dash: dashPattern(variant) });
   }
   return known;
 }

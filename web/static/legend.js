@@ -17,10 +17,15 @@ export class Legend {
     );
   }
 
-  /** @param known from identity.js */
-  update(known) {
-    this.#labels = [...known.keys()];
-    this.#show([...known.values()]);
+  /** @param known from identity.js; those are shown that have runs in the panels */
+  update(known, panels) {
+    const runs = new Map();
+    for (const curve of panels.flatMap((panel) => panel.curves)) {
+      runs.set(curve.label, (runs.get(curve.label) ?? 0) + curve.runs);
+    }
+    const shown = [...known.values()].filter(({ label }) => runs.has(label));
+    this.#labels = shown.map(({ label }) => label);
+    this.#show(shown.map((identity) => ({ ...identity, runs: runs.get(identity.label) })));
   }
 
   #entry({ label, colour, dash }) {

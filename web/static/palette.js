@@ -1,7 +1,7 @@
 /**
  * Colours belong to algorithms, not to order: the palette of Okabe and Ito (2008), told apart by
  * colour-blind eyes, each bound to one algorithm for good. `service/figures/palette.py` has the same map
- * for the figures in files. Two curves of one algorithm differ by their dashes.
+ * for the figures in files. Curves of one colour differ by their dashes.
  */
 
 const BLACK = "#000000";
@@ -19,7 +19,7 @@ const ALGORITHM_COLOURS = {
 };
 const OTHERS = [YELLOW, ...Object.values(ALGORITHM_COLOURS)];
 
-const DASHES = [[], [8, 3.5], [2, 2.5], [8, 3, 2, 3]];
+const DASHES = [[], [8, 3.5], [2, 2.5]];
 
 /** An algorithm's colour; one that another package brought gets one by its name. */
 export function algorithmColour(algorithm) {
@@ -28,9 +28,9 @@ export function algorithmColour(algorithm) {
   return colour === BLACK && isDark() ? BLACK_ON_DARK : colour;
 }
 
-/** The dash pattern (CSS pixels on, off, ...) of the n-th variant of one algorithm. */
+/** The dash pattern (CSS pixels on, off, ...) of the n-th curve of a colour: at last dots in dashes. */
 export function dashPattern(variant) {
-  return DASHES[variant % DASHES.length];
+  return DASHES[variant] ?? [8, 3, ...Array(variant - 2).fill([2, 3]).flat()];
 }
 
 /** A colour thinned for areas, and for lines that stay in the background. */

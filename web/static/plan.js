@@ -16,11 +16,11 @@ export function estimateText({ runs, timesteps, estimate }) {
 
 /** A row per curve and environment: what is left out of the form is the preset's. */
 export function fillPlan(table, { cells }) {
-  const heads = ["Algorithm", "Environment", "w1, w2", "Timesteps", "Seeds", "Settings"];
-  const rows = cells.map(({ algorithm, environment, weights, timesteps, seeds, config }) => {
+  const heads = ["Learner", "Environment", "w1, w2", "Timesteps", "Seeds", "Settings"];
+  const rows = cells.map(({ label, environment, weights, timesteps, seeds, config }) => {
     const settings = Object.entries(config).map(([name, value]) => `${name} ${value}`);
     const weightsText = `${number(weights.w1)}, ${number(weights.w2)}`;
-    const texts = [algorithm, environment, weightsText, count(timesteps), count(seeds), settings.join(", ")];
+    const texts = [label, environment, weightsText, count(timesteps), count(seeds), settings.join(", ")];
     return element("tr", {}, ...texts.map((text) => element("td", {}, text)));
   });
   const head = heads.map((text) => element("th", { scope: "col" }, text));

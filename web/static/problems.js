@@ -2,7 +2,6 @@
 import { element, setText } from "./element.js";
 import { counted } from "./format.js";
 import { Listing } from "./paging.js";
-import { learnerText } from "./run_text.js";
 
 const LISTED = 20;
 const REASONS_SHOWN = 8;
@@ -33,7 +32,7 @@ function reasons(runs) {
   const shown = [...groups].slice(0, REASONS_SHOWN).map(([text, alike]) => {
     const [first] = alike;
     const others = alike.length > 1 ? ` and ${alike.length - 1} more` : "";
-    const who = `${learnerText(first)} in ${first.environment}, seed ${first.seed}${others}`;
+    const who = `${first.label} in ${first.environment}, seed ${first.seed}${others}`;
     const link = element("a", { href: `/runs/${first.id}` }, who);
     return element("li", {}, link, ": ", element("span", { class: "reason" }, text));
   });

@@ -9,7 +9,7 @@ import { count, percent } from "./format.js";
 import { follow } from "./live.js";
 import { Refresh } from "./refresh.js";
 import { RunCharts } from "./run_charts.js";
-import { canCancel, cancelRun, canRetry, learnerText, retryRun, statusText, tookText } from "./run_text.js";
+import { canCancel, cancelRun, canRetry, retryRun, statusText, tookText } from "./run_text.js";
 import { statusMark, timeElement } from "./sweep_text.js";
 import { CURVE_FIELDS, oneOf, View, whole } from "./view.js";
 import { Viewer } from "./viewer.js";
@@ -80,7 +80,7 @@ function draw() {
 }
 
 function showRun() {
-  const title = `${learnerText(run)} in ${run.environment}, seed ${run.seed}`;
+  const title = `${run.label} in ${run.environment}, seed ${run.seed}`;
   const done = run.timestep / run.timesteps;
   document.title = `${percent(done)} · ${title} · d3pg`;
   setText(at("name"), title);

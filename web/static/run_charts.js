@@ -6,6 +6,7 @@ import { ChartFigure, remembersTable } from "./figure.js";
 import { count, number } from "./format.js";
 import { algorithmColour, dashPattern } from "./palette.js";
 import { smooth } from "./smoothing.js";
+import { xLabel } from "./view.js";
 
 export class RunCharts {
   #view;
@@ -83,7 +84,7 @@ function runData({ title, names }, run, columns, view) {
   return {
     curves,
     references,
-    x: { label: view.get("x"), log: view.get("logx"), max },
+    x: { label: xLabel(view.get("x")), log: view.get("logx"), max },
     y: {
       label: names.length === 1 ? names[0] : title.toLowerCase(),
       anchors: marks,

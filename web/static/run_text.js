@@ -1,12 +1,7 @@
 /** A run in words, and what can be done to it: what lists and the run's own page share. */
 import { post } from "./api.js";
 import { confirm } from "./confirm.js";
-import { duration, number } from "./format.js";
-
-/** "hybrid-ddpg, w1 0.1, w2 0.1". */
-export function learnerText({ algorithm, weights: { w1, w2 } }) {
-  return w1 === 0 && w2 === 0 ? algorithm : `${algorithm}, w1 ${number(w1)}, w2 ${number(w2)}`;
-}
+import { duration } from "./format.js";
 
 export function statusText({ status, is_cancelling: isCancelling }) {
   return isCancelling && status === "running" ? "cancelling" : status;
@@ -31,7 +26,7 @@ export async function cancelRun(run) {
   const meant = await confirm({
     title: "Cancel this run?",
     detail:
-      `${learnerText(run)} in ${run.environment}, seed ${run.seed}, will stop for good. ` +
+      `${run.label} in ${run.environment}, seed ${run.seed}, will stop for good. ` +
       "The other runs go on, and what was measured stays.",
     yes: "Cancel the run",
     no: "Let it run",

@@ -1,23 +1,28 @@
-/** Table 1: what each curve of a sweep reached in each task, the best in bold, sortable. */
+/** What each entry of a sweep reached in each task, the best in bold, sortable. */
 import { address, get } from "./api.js";
 import { element, setText } from "./element.js";
-import { RETURNS } from "./drawing.js";
 import { identities } from "./identity.js";
 import { swatch } from "./swatch.js";
+import { statusTexts } from "./sweep_text.js";
 
 const at = (name) => document.getElementById(name);
 
 export class ScoreTable {
   #id;
   #view;
+  #entries;
   #answer = null;
 
-  /** @param refetch () => void; asks for `load` to be called, for another scale or metric */
-  constructor(id, view, refetch) {
+  /**
+   * @param entries () => those of the sweep, as identity.js takes them
+   * @param refetch () => void; asks for `load` to be called, for another scale or score
+   */
+  constructor(id, view, entries, refetch) {
     this.#id = id;
     this.#view = view;
+    this.#entries = entries;
     view.addEventListener("change", ({ detail: fields }) => {
-      if (fields.includes("scale") || fields.includes("metric")) refetch();
+      if (fields.includes("scale") || fields.includes("score")) refetch();
       else this.#draw();
     });
     document.addEventListener("themechange", () => this.#draw());
@@ -35,20 +40,20 @@ export class ScoreTable {
   }
 
   #question() {
-    const metric = this.#view.get("metric");
     return {
-      metric: RETURNS.includes(metric) && metric !== RETURNS[0] ? metric : "return_history",
+      score: this.#view.get("score"),
       normalized: this.#view.get("scale") === "normalized",
     };
   }
 
   #draw() {
     if (this.#answer === null) return;
-    const { environments, rows, definition, decimals } = this.#answer;
+    const { environments, definition, decimals } = this.#answer;
+    const known = identities(this.#entries());
     at("score-table").replaceChildren(
-      element("caption", { class: "visually-hidden" }, "Final returns, mean ± standard deviation"),
+      element("caption", { class: "visually-hidden" }, "Scores, mean ± standard deviation"),
       element("thead", {}, this.#head(environments)),
-      element("tbody", {}, ...this.#sorted().map((row) => bodyRow(row, decimals, swatches(rows)))),
+      element("tbody", {}, ...this.#sorted().map((row) => bodyRow(row, decimals, known))),
     );
     setText(at("score-definition"), definition);
   }
@@ -68,23 +73,18 @@ export class ScoreTable {
     return element("tr", {}, element("th", { scope: "col" }, "Learner"), ...cells);
   }
 
-  /** The rows as submitted, or the best of the chosen task first. */
+  /** The rows as submitted, or the best of the chosen task first, cells that lack runs after those. */
   #sorted() {
     const { environments, rows } = this.#answer;
     const column = environments.indexOf(this.#view.get("sort"));
     if (column < 0) return rows;
-    const value = (row) => row.entries[column]?.mean ?? -Infinity;
-    return [...rows].sort((a, b) => (value(b) > value(a)) - (value(b) < value(a)));
+    const rank = ({ entries }) => {
+      const { n = 0, runs = 1, mean = null } = entries[column] ?? {};
+      return [n === runs ? 1 : 0, mean ?? -Infinity];
+    };
+    const after = ([whole, mean], [other, its]) => other - whole || (its > mean) - (its < mean);
+    return [...rows].sort((a, b) => after(rank(a), rank(b)));
   }
-}
-
-/** The curves' own colours and dashes, by label. */
-function swatches(rows) {
-  const curves = rows.map(({ label, entries }) => {
-    const [{ algorithm }] = entries.filter((entry) => entry !== null);
-    return { label, algorithm, runs: 0 };
-  });
-  return identities([{ curves }]);
 }
 
 function bodyRow({ label, entries }, decimals, known) {
@@ -103,8 +103,8 @@ function valueCell(entry, decimals) {
   return element("td", { class: "number" }, value, note);
 }
 
-/** "n 16", and how many of the runs still go on or gave no number. */
-function countText({ n, runs, ended }) {
-  if (n < runs) return `n ${n} of ${runs}`;
-  return ended < runs ? `n ${n}, ${runs - ended} going on` : `n ${n}`;
+/** "n 16", or "n 5 of 6, 1 diverged". */
+function countText({ n, runs, unfinished }) {
+  if (n === runs) return `n ${n}`;
+  return [`n ${n} of ${runs}`, ...statusTexts(unfinished)].join(", ");
 }

@@ -2,23 +2,29 @@
 import { get } from "./api.js";
 import { element, setText } from "./element.js";
 import { ChartFigure } from "./figure.js";
-import { number, withBand } from "./format.js";
+import { count, number, withBand } from "./format.js";
 import { identities } from "./identity.js";
 import { interval, scaleOf } from "./interval.js";
 import { swatch } from "./swatch.js";
+import { statusTexts } from "./sweep_text.js";
 
 const at = (name) => document.getElementById(name);
 
 export class Statistics {
   #id;
   #view;
+  #entries;
   #answer = null;
   #profiles = null;
 
-  /** @param refetch () => void; asks for `load` to be called */
-  constructor(id, view, refetch) {
+  /**
+   * @param entries () => those of the sweep, as identity.js takes them
+   * @param refetch () => void; asks for `load` to be called
+   */
+  constructor(id, view, entries, refetch) {
     this.#id = id;
     this.#view = view;
+    this.#entries = entries;
     const details = at("statistics-details");
     details.open = view.get("statistics");
     details.addEventListener("toggle", () => {
@@ -26,13 +32,14 @@ export class Statistics {
       view.set({ statistics: details.open });
       refetch();
     });
+    view.addEventListener("change", ({ detail: fields }) => fields.includes("score") && refetch());
     document.addEventListener("themechange", () => this.#draw());
   }
 
   async load(signal) {
     if (!this.#view.get("statistics")) return;
     try {
-      this.#answer = await get(`/sweeps/${this.#id}/statistics`, {}, signal);
+      this.#answer = await get(`/sweeps/${this.#id}/statistics`, { score: this.#view.get("score") }, signal);
     } catch (error) {
       if (error.status !== 422) throw error;
       setText(at("statistics-state"), error.message);
@@ -45,8 +52,7 @@ export class Statistics {
     if (this.#answer === null) return;
     const answer = this.#answer;
     setText(at("statistics-state"), commonTasks(answer));
-    const curves = answer.interquartile_mean.values.map((each) => ({ ...each, runs: each.n }));
-    const known = identities([{ curves }]);
+    const known = identities(this.#entries());
     this.#profiles ??= new ChartFigure(
       { title: "Performance profiles", label: "Performance profiles" },
       "profiles",
@@ -62,13 +68,14 @@ export class Statistics {
       this.#profiles.node,
       ...differencesSection(answer.paired_differences),
     );
-    this.#drawProfiles(answer.performance_profiles, known);
+    const counts = new Map(answer.interquartile_mean.values.map(({ label, n }) => [label, n]));
+    this.#drawProfiles(answer.performance_profiles, known, counts);
   }
 
-  #drawProfiles({ definition, thresholds, profiles }, known) {
+  #drawProfiles({ definition, thresholds, profiles }, known, counts) {
     const curves = profiles.map(({ label, share, low, high }) => {
       const { colour, dash } = known.get(label);
-      const n = share.map(() => known.get(label).runs);
+      const n = share.map(() => counts.get(label));
       return { label, colour, dash, x: thresholds, line: share, mean: share, low, high, n };
     });
     const data = {
@@ -83,12 +90,21 @@ export class Statistics {
   }
 }
 
-function commonTasks({ tasks, lacking, unscored }) {
-  if (tasks.length === 0) return "No task has a score of every learner yet.";
+function commonTasks({ definition, tasks, lacking, unscored, incomplete }) {
+  if (tasks.length === 0) return "No task has a score of every learner yet: runs count at their end.";
   const rest = lacking.map(({ environment }) => environment);
   const left = rest.length > 0 ? ` Left out, because a learner has no score there: ${rest.join(", ")}.` : "";
   const without = unscored.length > 0 ? ` Without any score: ${unscored.join(", ")}.` : "";
-  return `Normalised final return_history over ${tasks.join(", ")}.${left}${without}`;
+  return `Over ${tasks.join(", ")}. ${definition}${left}${without}${missing(incomplete)}`;
+}
+
+/** Which cells lack runs, and what that does to their scores. */
+function missing(incomplete) {
+  if (incomplete.length === 0) return "";
+  const cells = incomplete.map(({ label, environment, n, runs, unfinished }) => {
+    return `${label} in ${environment}: ${[`n ${n} of ${runs}`, ...statusTexts(unfinished)].join(", ")}`;
+  });
+  return ` ${cells.join("; ")}. Where runs failed or diverged, the others say too much.`;
 }
 
 function meansSection({ definition, values }, known) {
@@ -97,7 +113,7 @@ function meansSection({ definition, values }, known) {
     const identity = known.get(each.label);
     return tableRow(
       [swatch(identity), each.label],
-      estimateText(each),
+      `${estimateText(each)}, n ${count(each.n)}`,
       interval(each, identity.colour, scale, [0, 1]),
     );
   });
@@ -123,10 +139,10 @@ function differencesSection({ definition, values }) {
     shown.map(({ mean, low, high }) => ({ value: mean, low, high })),
     [0],
   );
-  const rows = shown.map(({ environment, label, baseline, n, wins, mean, low, high }) =>
+  const rows = shown.map(({ environment, label, baseline, pairs, n, wins, mean, low, high }) =>
     tableRow(
       [`${environment}: ${label} − ${baseline}`],
-      `${withBand(mean, low, high)}, ${wins} of ${n} pairs won`,
+      `${withBand(mean, low, high)}, ${wins} of ${n} pairs won${n < pairs ? `, of ${pairs}` : ""}`,
       interval({ value: mean, low, high }, "currentColor", scale, [0]),
     ),
   );

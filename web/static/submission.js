@@ -114,6 +114,7 @@ export class Submission {
     const request = this.#request();
     clearFaults(this.#form);
     at("submission-fault").hidden = true;
+    showNotices([]);
     if (request.algorithms.length === 0 || request.environments.length === 0) {
       at("plan").hidden = true;
       setText(at("estimate"), "Choose at least one algorithm and one environment.");
@@ -122,6 +123,7 @@ export class Submission {
     try {
       const plan = await post("/sweeps?dry_run=true", request, {}, this.#asking.signal);
       setText(at("estimate"), estimateText(plan));
+      showNotices(plan.notices);
       fillPlan(at("plan-table"), plan);
       at("plan").hidden = false;
       at("submit").disabled = this.#sent;
@@ -156,6 +158,12 @@ export class Submission {
     setText(at("submission-fault"), rest);
     at("submission-fault").hidden = rest === "";
   }
+}
+
+/** What the service remarks on a sweep that it would take. */
+function showNotices(notices) {
+  at("submission-notices").replaceChildren(...notices.map((text) => element("p", {}, text)));
+  at("submission-notices").hidden = notices.length === 0;
 }
 
 /** One per sweep that is meant: sent twice, it makes one. */

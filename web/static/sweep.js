@@ -15,7 +15,7 @@ import { Refresh } from "./refresh.js";
 import { ScoreTable } from "./score_table.js";
 import { Statistics } from "./statistics.js";
 import { SweepHead } from "./sweep_head.js";
-import { CURVE_FIELDS, flag, list, name, oneOf, text, View } from "./view.js";
+import { CURVE_FIELDS, flag, list, name, oneOf, text, View, xLabel } from "./view.js";
 
 const MAX_POINTS = 300;
 const id = document.getElementById("sweep").dataset.sweep;
@@ -28,11 +28,13 @@ const view = new View({
   band: oneOf("std", "ci95", "iqr", "none"),
   seeds: flag,
   hide: list, // labels of curves
+  score: oneOf("final", "return_history", "area"),
   sort: text, // the environment by which the score table is sorted
   figures: flag, // whether the paper's are open
   statistics: flag, // whether they are open
 });
 new Controls(at("controls"), view);
+new Controls(at("score-controls"), view);
 const metrics = new MetricChoice(at("controls"), view);
 const legend = new Legend(at("legend"), view);
 const showPanels = keyed(
@@ -55,14 +57,15 @@ const refreshStatistics = new Refresh((signal) => statistics.load(signal), {
 });
 const head = new SweepHead(id, "", () => refreshSweep.hurry(), hideAll);
 const figures = new PaperFigures(view);
-const scores = new ScoreTable(id, view, () => refreshScores.hurry());
-const statistics = new Statistics(id, view, () => refreshStatistics.hurry());
+const entries = () => head.sweep.entries;
+const scores = new ScoreTable(id, view, entries, () => refreshScores.hurry());
+const statistics = new Statistics(id, view, entries, () => refreshStatistics.hurry());
 
 const stream = follow(address(`/sweeps/${id}/events`), (kind) => {
   refreshSweep.request();
   if (kind === "run") return;
   refreshCurves.request();
-  if (comparison !== null) requestRest();
+  requestRest();
 });
 
 view.addEventListener("change", () => {
@@ -78,9 +81,10 @@ showDownloads();
 async function loadSweep(signal) {
   const isFirst = head.sweep === null;
   await head.load(signal);
-  if (!isFirst) return;
+  if (!isFirst || head.sweep === null) return;
   draw();
-  figures.show(head.sweep?.links ?? {});
+  requestRest();
+  figures.show(head.sweep.links);
 }
 
 /** What the service is asked for: only what changes its answer. */
@@ -98,6 +102,7 @@ function question() {
 
 /** What lies below the curves, and waits for them: the service would answer all at once, slower. */
 function requestRest() {
+  if (head.sweep === null || comparison === null) return;
   refreshMetrics.request();
   refreshScores.request();
   refreshStatistics.request();
@@ -125,13 +130,13 @@ async function loadMetrics(signal) {
 function draw() {
   if (head.sweep === null || comparison === null) return;
   if (JSON.stringify(question()) !== answered) return;
-  const known = identities(comparison.panels);
+  const known = identities(entries());
   const axes = {
-    xLabel: comparison.x,
+    xLabel: xLabel(comparison.x),
     yLabel: comparison.normalized ? `normalised ${comparison.metric}` : comparison.metric,
     xMax: comparison.x === "timesteps" ? timestepsOf(head.sweep.request) : null,
   };
-  legend.update(known);
+  legend.update(known, comparison.panels);
   showPanels(comparison.panels.map((panel) => ({ panel, known, axes })));
   setText(at("definition"), comparison.definition);
 }

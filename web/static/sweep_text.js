@@ -33,10 +33,18 @@ export function isActive({ runs }) {
   return runs.queued + runs.running + runs.paused > 0;
 }
 
-/** "about 3 min left", "paused", or how it ended. */
+/** "about 3 min left", "paused", or how it ended: "finished" only if every run did. */
 export function stateText(sweep) {
   if (sweep.status === "paused") return "paused";
-  return isActive(sweep) ? remaining(sweep.eta_seconds) : sweep.status;
+  if (isActive(sweep)) return remaining(sweep.eta_seconds);
+  const { succeeded, total } = sweep.runs;
+  const isWhole = sweep.status !== "finished" || succeeded === total;
+  return isWhole ? sweep.status : `ended, ${count(succeeded)} of ${counted(total, "run")} finished`;
+}
+
+/** ["1 diverged", "2 running"], of counts by status. */
+export function statusTexts(counts) {
+  return Object.entries(counts).map(([status, number]) => `${count(number)} ${status}`);
 }
 
 /** A list of "3 running" entries that keeps up with a sweep's counts; statuses of 0 are left out. */

@@ -38,6 +38,13 @@ export const list = {
   format: (items) => items,
 };
 
+/** What stands at the x axis, where it is not the field's own value. */
+const X_LABELS = { seconds: "processor seconds of training" };
+
+export function xLabel(x) {
+  return X_LABELS[x] ?? x;
+}
+
 /** How learning curves are looked at, wherever they are drawn. */
 export const CURVE_FIELDS = {
   x: oneOf("timesteps", "updates", "jacobians", "seconds"),

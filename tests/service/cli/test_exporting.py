@@ -2,6 +2,7 @@
 
 import csv
 import io
+import json
 from pathlib import Path
 
 import pytest
@@ -9,8 +10,9 @@ import pytest
 from service.client import Client
 from service.store.store import Store
 from tests.service.cli.conftest import Command, as_json
-from tests.service.conftest import SWEEP
-from tests.service.training import RANDOM, random_return, rising, train
+from tests.service.conftest import SWEEP, changed
+from tests.service.training import RANDOM, measured, random_return, rising, train
+from workers.progress import Progress
 
 
 @pytest.fixture
@@ -26,11 +28,12 @@ def trained(service: Client, store: Store) -> str:
 def test_every_measurement_is_a_line(d3pg: Command, service: Client, trained: str) -> None:
     rows = list(csv.DictReader(io.StringIO(d3pg("export", trained).stdout)))
     assert len(rows) == 12 * 5
-    assert list(rows[0])[:7] == [
-        "run", "algorithm", "environment", "w1", "w2", "seed", "timestep"
+    assert list(rows[0])[:9] == [
+        "run", "label", "algorithm", "environment", "w1", "w2", "config", "seed", "timestep"
     ]  # fmt: skip
     run = service.run(rows[-1]["run"])
     assert (rows[-1]["algorithm"], rows[-1]["seed"]) == (run.algorithm, str(run.seed))
+    assert (rows[-1]["label"], json.loads(rows[-1]["config"])) == (run.label, run.config)
     columns = service.measurements(run.id).columns
     own = [row for row in rows if row["run"] == run.id]
     assert [float(row["return_mean"]) for row in own] == columns["return_mean"]
@@ -48,7 +51,7 @@ def test_a_run_is_exported_alone_and_to_a_file(
 
 def test_the_table_in_every_form(d3pg: Command, trained: str) -> None:
     heading, *lines = d3pg("table", trained).stdout.splitlines()
-    assert heading == "algorithm\tMassPoint\tPendulum"
+    assert heading == "learner\tMassPoint\tPendulum"
     assert len(lines) == 3
     assert any("*" in line for line in lines)
     assert "95 %" in lines[-1]
@@ -56,6 +59,9 @@ def test_the_table_in_every_form(d3pg: Command, trained: str) -> None:
     assert d3pg("table", trained, "--format", "latex").stdout.startswith("\\begin{table}")
     assert "|" in d3pg("table", trained, "--format", "markdown").stdout
     assert "is_best" in d3pg("table", trained, "--format", "csv").stdout
+    history = d3pg("table", trained, "--score", "return_history").stdout
+    assert "mean of the latest 100 return_mean" in history
+    assert "the last tenth of the run's timesteps" in d3pg("table", trained).stdout
     raw = as_json(d3pg("table", trained, "--raw", "--json"))
     assert raw["normalized"] is False
 
@@ -79,3 +85,32 @@ def test_a_figure_of_the_paper_is_saved(d3pg: Command, trained: str, tmp_path: P
         "is given"
         in d3pg("plot", trained, "-o", str(file), "--figure", "4", "--raw", code=2).stderr
     )
+
+
+def test_the_table_says_how_many_runs_count(d3pg: Command, service: Client, store: Store) -> None:
+    store.record_random_return(random_return("Pendulum", RANDOM))
+    sweep = service.submit(changed(algorithms=[{"name": "ddpg"}], environments=["Pendulum"])).id
+    claim = store.claim_cohort("worker", 60.0)
+    assert claim is not None
+    measurements = tuple(measured(spec, 4000, rising(spec, 4000)) for spec in claim.specs)
+    store.record(claim, Progress(4000, measurements=measurements, finished=(0, 1)))
+    _, row, definition = d3pg("table", sweep).stdout.splitlines()
+    assert row.endswith(" (2 of 3)")
+    assert "*" not in row
+    assert "1 of 3 runs do not count (1 running)" in definition
+
+
+def test_entries_are_told_apart_in_every_list(d3pg: Command, service: Client, store: Store) -> None:
+    entries = [{"name": "ddpg"}, {"name": "ddpg", "config": {"noise": 0.1}}]
+    sweep = service.submit(changed(algorithms=entries, seeds=1)).id
+    train(store, 5, rising)
+    labels = ["ddpg", "ddpg noise=0.1"]
+    _, *listed = d3pg("ls", sweep).stdout.splitlines()
+    assert [line.split("\t")[2] for line in listed] == labels * 2
+    assert "learners   ddpg, ddpg noise=0.1\n" in d3pg("show", sweep).stdout
+    assert "learner    ddpg noise=0.1\n" in d3pg("show", f"{sweep}-1").stdout
+    rows = list(csv.DictReader(io.StringIO(d3pg("export", sweep).stdout)))
+    assert list(dict.fromkeys(row["label"] for row in rows)) == labels
+    _, *table, _ = d3pg("table", sweep).stdout.splitlines()
+    assert [line.split("\t")[0] for line in table] == labels
+    assert all("-" not in line.split("\t") for line in table)

@@ -2,6 +2,7 @@
 
 import io
 import json
+import re
 from typing import Any
 
 import pytest
@@ -59,9 +60,14 @@ def test_standings_show_the_latest_known_point() -> None:
     assert standings(client, "") == [("Pendulum", "ddpg", "1,600", "0.250 ± 0.050", "4")]
 
 
+def test_standings_say_how_many_of_the_runs_got_there() -> None:
+    client: Any = FakeClient(x=[800], mean=[0.1], high=[0.2], n=[3], unfinished={"diverged": 1})
+    assert standings(client, "")[0][-1] == "3 of 4"
+
+
 def test_curves_without_points_are_said() -> None:
     client: Any = FakeClient(x=[], mean=[], high=[], n=[])
-    assert standings(client, "") == [("Pendulum", "ddpg", "-", "-", "0")]
+    assert standings(client, "") == [("Pendulum", "ddpg", "-", "-", "0 of 4")]
 
 
 def test_only_changes_are_passed_on() -> None:
@@ -101,11 +107,30 @@ def test_who_stops_looking_is_told_that_the_sweep_goes_on(
 def test_on_a_terminal_ids_stay_whole_and_empty_columns_are_left_out() -> None:
     output = Console(file=io.StringIO(), force_terminal=True, width=40)
     row = ("0123456789ab-0", "hybrid-ddpg-cosine", "", "why it failed: the loss was not finite")
-    output.print(table_of(("run", "algorithm", "nothing", "reason"), [row]))
+    output.print(table_of(("run", "algorithm", "nothing", "reason"), [row], output.width))
     text = output.file.getvalue()  # type: ignore[attr-defined]
     assert "0123456789ab-0" in text
     assert "hybrid-ddpg-cosine" in text
     assert "nothing" not in text
+
+
+def test_on_a_narrow_terminal_no_column_is_lost() -> None:
+    output = Console(file=io.StringIO(), force_terminal=True, width=40)
+    row = (
+        "0123456789ab-17",
+        "diverged",
+        "hybrid-ddpg w1=0.10000000001",
+        "MountainCar",
+        "9600/20000",
+    )
+    headings = ("run", "status", "learner", "task", "timestep")
+    output.print(table_of(headings, [row], output.width))
+    text = output.file.getvalue()  # type: ignore[attr-defined]
+    lines = [re.sub(r"\x1b\[[0-9;]*m", "", line) for line in text.splitlines()]
+    assert max(map(len, lines)) <= 40
+    assert "0123456789ab-17" in text
+    shown = "".join(lines).replace(" ", "")
+    assert sorted("".join((*headings, *row)).replace(" ", "")) == sorted(shown)
 
 
 def test_json_is_a_line_a_change(

@@ -57,10 +57,10 @@ def test_an_evaluation_is_taken_up_and_written(
     monkeypatch.setattr(evaluation, "SOFT", soft)
     store.record_random_return(random_return("Pendulum", RANDOM))
     begun = d3pg("paper", "write", *QUICK, "-o", str(tmp_path)).stdout
-    assert f"Wrote {tmp_path}/: 0 of 18 runs have ended." in begun.replace("\n", "")
+    assert f"Wrote {tmp_path}/: 0 of 18 runs reached their end." in begun.replace("\n", "")
     with workers(store):
         ended = d3pg("paper", *QUICK, "-o", str(tmp_path)).stdout
-    assert "18 of 18 runs have ended." in ended
+    assert "18 of 18 runs reached their end." in ended
     assert "figure 3 is not there yet" in " ".join(ended.split()), "there are no runs for it"
     assert len(list(service.sweeps())) == 3
 
@@ -71,6 +71,9 @@ def test_an_evaluation_is_taken_up_and_written(
     ]
     returns = service.measurements(run.id).columns["return_mean"]
     assert [float(row["return_mean"]) for row in kept] == returns
+    histories = service.measurements(run.id).columns["return_history"]
+    assert [float(row["return_history"]) for row in kept] == histories
+    assert {row["compile_seconds"] for row in kept} == {"0.25"}
     assert (tmp_path / "figure-4.png").read_bytes().startswith(b"\x89PNG")
     assert "hybrid" in (tmp_path / "table-1.md").read_text()
 
@@ -85,9 +88,23 @@ def test_an_evaluation_is_taken_up_and_written(
 
     assert gains["hybrid-sac", "timesteps"]["n"] == "2", "of another sweep, in the same table"
 
+    scores = [
+        row
+        for row in rows_of(tmp_path / "scores.csv")
+        if (row["environment"], row["algorithm"], row["seed"]) == ("Pendulum", "mpc", "1")
+    ]
+    [(status, reached)] = [(row["status"], row["return_history"]) for row in scores]
+    assert (status, float(reached)) == ("succeeded", histories[-1])
+    [zero] = [row for row in rows_of(tmp_path / "random-returns.csv") if row["random"]]
+    assert (zero["environment"], zero["best"]) == ("Pendulum", "0.0")
+    assert [float(zero[name]) for name in ("random", "low", "high")] == [
+        RANDOM, RANDOM - 10, RANDOM + 10,
+    ]  # fmt: skip
+
     provenance = json.loads((tmp_path / "provenance.json").read_text())
     assert provenance["sweeps"][sweep.name]["runs"]["succeeded"] == 6
     assert provenance["sweeps"][sweep.name]["core seconds"] > 0
+    assert provenance["sweeps"][sweep.name]["compile core seconds"] == round(6 * 0.25)
 
 
 def test_tuning_gives_the_hybrids_what_suited_ddpg(

@@ -82,3 +82,35 @@ def test_a_dry_run_counts_and_estimates(d3pg: Command, service: Client) -> None:
     assert "on the 2 workers here" in lines[3]
     assert as_json(d3pg("submit", "-", "--dry-run", "--json", stdin=YAML))["runs"]["total"] == 2
     assert list(service.sweeps()) == []
+
+
+REPEATED = """
+algorithms:
+  - name: hybrid-ddpg
+  - {name: hybrid-ddpg, weights: {w1: 1, w2: 0}}
+environments: [MassPoint, MassPoint]
+seeds: [0, 1, 0]
+"""
+
+
+def test_what_is_there_twice_is_refused_all_at_once(d3pg: Command, service: Client) -> None:
+    """The preset written out: the same runs would be counted twice."""
+    said = str(d3pg("submit", "-", code=1, stdin=REPEATED).exception)
+    assert "3 things are wrong:" in said
+    assert "algorithms[1]: is the same as algorithms[0] in MassPoint" in said
+    assert "environments[1]: is the same as environments[0]" in said
+    assert "seeds[2]: is the same as seeds[0]" in said
+    assert list(service.sweeps()) == []
+
+
+def test_a_hybrid_without_gradient_terms_is_noted(d3pg: Command) -> None:
+    flags = ("-a", "ddpg", "-a", "hybrid-ddpg:0,0", "-e", "Pendulum", "--timesteps", "800")
+    for more in ((), ("--dry-run",)):
+        said = d3pg("submit", *flags, *more)
+        assert "Note: algorithms[1] (hybrid-ddpg) has the weights (0, 0) in Pendulum" in said.stdout
+        assert "It repeats algorithms[0]." in said.stdout
+        assert said.stderr == ""
+    [notice] = as_json(d3pg("submit", *flags, "--json"))["notices"]
+    assert "it is ddpg, bit for bit" in notice
+    clean = d3pg("submit", "-a", "hybrid-ddpg:0.1,0", "-e", "Pendulum", "--timesteps", "800")
+    assert "Note:" not in clean.stdout

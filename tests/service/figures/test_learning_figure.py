@@ -2,7 +2,7 @@
 
 from service.comparison import Comparison, View, compare
 from service.figures.learning_figure import as_far_as_baseline
-from tests.service.scored import run_curve
+from tests.service.scored import ByAlgorithm, run_curve
 from workers.random_return import RandomReturn
 
 VIEW = View("return_mean", normalized=False, band="std", x="timesteps", max_points=500)
@@ -15,7 +15,9 @@ def compared(**lengths: int) -> Comparison:
         for algorithm, length in lengths.items()
         for seed in (0, 1)
     ]
-    return compare(curves, VIEW, dict[tuple[str, int], RandomReturn](), lambda _: 0.0)
+    return compare(
+        curves, ByAlgorithm(curves), VIEW, dict[tuple[str, int], RandomReturn](), lambda _: 0.0
+    )
 
 
 def ends(comparison: Comparison) -> dict[str, float]:

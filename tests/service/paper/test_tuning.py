@@ -1,5 +1,6 @@
 """The tuning's definition: every sweep can be submitted, and no seed is the evaluation's."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,8 @@ from service.cli.paper import read_tuning
 from service.paper import tuning
 from service.paper.evaluation import COMPARISON, SEEDS, evaluation
 from service.paper.tuning import Outcome, best
+from service.schemas.curves_answer import CurveAnswer, CurvesAnswer, PanelAnswer
+from service.schemas.run_answer import WeightsAnswer
 from service.schemas.sweep_request import SweepRequest
 from service.submission.plan import Plan
 from service.submission.plan import plan as plan_in
@@ -81,6 +84,61 @@ def test_the_first_of_the_best_is_chosen() -> None:
     assert best(rows, "Pendulum", "ddpg").config == {"noise": 0.4}
     with pytest.raises(ValueError, match="empty"):
         best(rows, "Pendulum", "sac")
+
+
+def curve(unfinished: dict[str, int], end: float, mean: Sequence[float | None] = ()) -> CurveAnswer:
+    """Ten measurements of 800 timesteps each, the last of them `end`."""
+    means = list(mean) or [*[0.0] * 9, end]
+    return CurveAnswer(
+        algorithm="ddpg",
+        weights=WeightsAnswer(w1=0.0, w2=0.0),
+        config={"noise": 0.2, "critic_decay": 0.0},
+        label="ddpg",
+        runs=4,
+        unfinished=unfinished,
+        x=[2000.0 * (k + 1) for k in range(10)],
+        mean=means,
+        low=means,
+        high=means,
+        n=[4] * 10,
+    )
+
+
+def outcome_of(one: CurveAnswer) -> Outcome:
+    [outcome] = tuning.outcomes(
+        CurvesAnswer(
+            sweep="a",
+            metric="return_mean",
+            normalized=True,
+            band="std",
+            x="timesteps",
+            definition="",
+            panels=[PanelAnswer(environment="Pendulum", random_return=None, curves=[one])],
+        )
+    )
+    return outcome
+
+
+def test_area_and_end_of_a_cell() -> None:
+    """Of 20,000 timesteps the last tenth holds the last of ten measurements."""
+    reached = outcome_of(curve({}, 0.8))
+    assert reached.area == pytest.approx(0.08)
+    assert (reached.end, reached.runs) == (0.8, 4)
+
+
+@pytest.mark.parametrize(
+    ("status", "decided"), [("diverged", 3 + 1), ("failed", 3), ("cancelled", 3), ("running", 3)]
+)
+def test_a_cell_with_a_run_that_did_not_end_is_not_chosen(status: str, decided: int) -> None:
+    """The other three were far ahead. What diverged would again; anything else may be tried."""
+    short, whole = outcome_of(curve({status: 1}, 0.9)), outcome_of(curve({}, 0.1))
+    assert short.area == short.end == float("-inf")
+    assert short.runs == decided
+    assert best([short, whole], "Pendulum", "ddpg") is whole
+
+
+def test_a_mean_that_is_not_known_everywhere_is_not_chosen() -> None:
+    assert outcome_of(curve({}, 0.0, mean=[None, *[1.0] * 9])).area == float("-inf")
 
 
 def test_the_evaluation_has_every_method_where_it_applies() -> None:

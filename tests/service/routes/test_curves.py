@@ -114,6 +114,7 @@ def test_every_view(reader: TestClient, trained: str, band: str, metric: str, x:
     assert answer["normalized"] is (metric != "critic_loss")
     assert metric in answer["definition"]
     assert ("interpolated" in answer["definition"]) == (x == "seconds")
+    assert ("processor time" in answer["definition"]) == (x == "seconds")
     for curve in curves_of(answer):
         points = len(curve["x"])
         assert points == 1 if (x, curve["algorithm"]) == ("jacobians", "ddpg") else points >= 5

@@ -13,11 +13,11 @@ from tests.service.conftest import SWEEP, algorithm, changed
 Json = dict[str, Any]
 
 
-def refusals(idle_client: TestClient, body: Json | bytes) -> dict[str, Json]:
+def refusals(idle_client: TestClient, body: Json | bytes, query: str = "") -> dict[str, Json]:
     """Post what must be refused; the refusals by field."""
     content = body if isinstance(body, bytes) else json.dumps(body).encode()
     response = idle_client.post(
-        "/api/v1/sweeps", content=content, headers={"Content-Type": "application/json"}
+        f"/api/v1/sweeps{query}", content=content, headers={"Content-Type": "application/json"}
     )
     assert response.status_code == 422, response.text
     assert response.headers["content-type"] == "application/problem+json"
@@ -152,10 +152,118 @@ def test_unknown_names_come_with_the_nearest(idle_client: TestClient) -> None:
             changed(algorithms=[{"name": "ddpg"}, {"name": "ddpg", "environments": ["Pendulum"]}]),
             "algorithms[1]",
         ),
+        (
+            changed(algorithms=[{"name": "ddpg", "environments": ["Pendulum", "Pendulum"]}]),
+            "algorithms[0].environments[1]",
+        ),
     ],
 )
-def test_equal_runs_are_refused(idle_client: TestClient, body: Json, field: str) -> None:
-    assert "is the same as" in refusals(idle_client, body)[field]["message"]
+@pytest.mark.parametrize("query", ["", "?dry_run=true"])
+def test_equal_runs_are_refused(
+    idle_client: TestClient, body: Json, field: str, query: str
+) -> None:
+    assert "is the same as" in refusals(idle_client, body, query)[field]["message"]
+
+
+HYBRID, DDPG = {"name": "hybrid-ddpg"}, {"name": "ddpg"}
+
+
+@pytest.mark.parametrize(
+    ("entries", "environment", "described"),
+    [
+        ([HYBRID, HYBRID | {"weights": {"w1": 1, "w2": 0}}], "MassPoint", "w1=1, w2=0"),
+        ([HYBRID, HYBRID | {"weights": {"w1": 1.0}}], "MassPoint", "w1=1, w2=0"),
+        ([DDPG, DDPG | {"config": {"noise": 0.2}}], "MassPoint", "noise=0.2"),
+        ([DDPG, DDPG | {"config": {"gamma": 0.99}}], "Pendulum", "gamma=0.99"),
+        ([DDPG, DDPG | {"weights": {"w1": 0, "w2": 0}}], "Pendulum", "noise=0.6"),
+        (
+            [DDPG | {"config": {"critic_decay": 0}}, DDPG | {"config": {"critic_decay": 0.0}}],
+            "Pendulum",
+            "critic_decay=0",
+        ),
+        (
+            [DDPG | {"config": {"tau": 1}}, DDPG | {"config": {"tau": 1.0, "gamma": 0.99}}],
+            "Pendulum",
+            "tau=1",
+        ),
+    ],
+)
+def test_entries_equal_with_presets_filled_in_are_refused(
+    idle_client: TestClient, entries: list[Json], environment: str, described: str
+) -> None:
+    """Or their seeds would be counted twice: one curve of n = 32 from 16 seeds."""
+    body = changed(algorithms=entries, environments=[environment])
+    [refusal] = refusals(idle_client, body).values()
+    assert refusal["field"] == "algorithms[1]"
+    assert f"is the same as algorithms[0] in {environment}" in refusal["message"]
+    assert "with presets filled in" in refusal["message"]
+    assert described in refusal["message"]
+    assert refusal == refusals(idle_client, body, "?dry_run=true")["algorithms[1]"]
+
+
+def test_entries_equal_in_some_tasks_are_refused_with_those(idle_client: TestClient) -> None:
+    """DDPG's noise is 0.2 on MassPoint and CartPole, 0.6 on Pendulum."""
+    names = ["MassPoint", "Pendulum", "CartPole"]
+    body = changed(algorithms=[DDPG, DDPG | {"config": {"noise": 0.2}}], environments=names)
+    [refusal] = refusals(idle_client, body).values()
+    assert "is the same as algorithms[0] in MassPoint and CartPole" in refusal["message"]
+    body = changed(
+        algorithms=[DDPG, DDPG | {"config": {"noise": 0.2}, "environments": ["Pendulum"]}],
+        environments=names,
+    )
+    assert idle_client.post("/api/v1/sweeps?dry_run=true", json=body).status_code == 200
+
+
+def test_all_that_is_there_twice_is_told_at_once_with_all_else(idle_client: TestClient) -> None:
+    body = changed(
+        algorithms=[
+            HYBRID | {"weights": [{"w1": 1}, {"w1": 0.1}, {"w1": 1, "w2": 0}]},
+            HYBRID | {"weights": {"w1": 0.1}},
+            {"name": "dppg"},
+            DDPG | {"config": {"noise": 7}},
+        ],
+        environments=["MassPoint", "Pendulum", "MassPoint"],
+        seeds=[4, 5, 4],
+    )
+    assert set(refusals(idle_client, body)) == {
+        "algorithms[0].weights[2]",
+        "algorithms[1]",
+        "algorithms[2].name",
+        "algorithms[3].config.noise",
+        "environments[2]",
+        "seeds[2]",
+    }
+
+
+@pytest.mark.parametrize(
+    ("entries", "told"),
+    [
+        ([HYBRID | {"weights": {"w1": 0}}], ["algorithms[0] (hybrid-ddpg)"]),
+        ([HYBRID | {"weights": [{"w1": 1}, {}]}], ["algorithms[0].weights[1] (hybrid-ddpg)"]),
+        ([{"name": "hybrid-sac", "weights": {}}, {"name": "sac"}], ["It repeats algorithms[1]."]),
+        (
+            [DDPG, HYBRID | {"weights": {}}, {"name": "hybrid-ddpg-cosine", "weights": {}}],
+            [
+                "It repeats algorithms[0] and algorithms[2].",
+                "It repeats algorithms[0] and algorithms[1].",
+            ],
+        ),
+        ([DDPG | {"weights": {}}, HYBRID], []),
+    ],
+)
+def test_hybrids_without_gradient_terms_are_told(
+    client: TestClient, entries: list[Json], told: list[str]
+) -> None:
+    body = changed(algorithms=entries, environments=["Pendulum"])
+    dry = client.post("/api/v1/sweeps?dry_run=true", json=body).json()["notices"]
+    sweep = client.post("/api/v1/sweeps", json=body).json()
+    assert sweep["notices"] == dry
+    assert len(dry) == len(told)
+    for notice, text in zip(dry, told, strict=True):
+        assert text in notice
+        assert "bit for bit" in notice
+        assert "in Pendulum" in notice
+    assert client.get(sweep["links"]["self"]).json()["notices"] == []
 
 
 def test_weights_of_an_algorithm_without_gradient_terms(idle_client: TestClient) -> None:

@@ -2,24 +2,19 @@
 
 import math
 
-import numpy as np
 import pytest
 
+from service.run import RunStatus
 from service.run_curve import RunCurve
-from service.statistics.paired_difference import PairedDifference, area, paired_differences
-from tests.service.scored import run_curve
+from service.statistics.paired_difference import PairedDifference, paired_differences
+from tests.service.scored import ByAlgorithm, run_curve
 from tests.service.training import random_return
 
 ZERO = {("Pendulum", 1): random_return("Pendulum", -1000.0)}
 
 
 def differences(*runs: RunCurve) -> list[PairedDifference]:
-    return paired_differences(runs, ZERO, lambda _: 0.0)
-
-
-def test_area_is_the_mean_along_the_run() -> None:
-    assert area(np.array([0.0, 1.0, 3.0]), np.array([0.0, 2.0, 2.0])) == pytest.approx(5 / 3)
-    assert area(np.array([800.0]), np.array([-3.0])) == -3.0
+    return paired_differences(runs, ByAlgorithm(runs), ZERO, lambda _: 0.0)
 
 
 def test_by_hand() -> None:
@@ -69,3 +64,18 @@ def test_without_a_random_return_there_is_no_unit() -> None:
         run_curve("ddpg", "MassPoint", 0, [0]), run_curve("hybrid-ddpg", "MassPoint", 0, [1])
     )
     assert found.difference.n == 0
+
+
+@pytest.mark.parametrize("status", set(RunStatus) - {RunStatus.SUCCEEDED})
+def test_only_pairs_at_their_end_count(status: RunStatus) -> None:
+    """A hybrid that diverged after a good start has not gained anything."""
+    (found,) = differences(
+        run_curve("ddpg", "Pendulum", 0, [0, 0]),
+        run_curve("ddpg", "Pendulum", 1, [0, 0], status=status),
+        run_curve("ddpg", "Pendulum", 2, [0, 0]),
+        run_curve("hybrid-ddpg", "Pendulum", 0, [900], status=status),
+        run_curve("hybrid-ddpg", "Pendulum", 1, [900, 900]),
+        run_curve("hybrid-ddpg", "Pendulum", 2, [100, 100]),
+    )
+    assert (found.pairs, found.difference.n, found.wins) == (3, 1, 1)
+    assert found.difference.mean == pytest.approx(0.1)

@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 
+from service.run import RunStatus
+from service.statistics.score_table import score_table
 from service.statistics.sweep_statistics import sweep_statistics
 from tests.service.scored import cell
 
@@ -46,6 +48,31 @@ def test_seeds_pair_whatever_is_not_finite() -> None:
     assert improvement.same_seeds is not None
     assert improvement.same_seeds.value == 1.0  # seed 1 alone
     assert improvement.all_pairs.value == 0.5
+
+
+def test_cells_of_which_only_some_runs_count_are_named() -> None:
+    ended = RunStatus.SUCCEEDED
+    found = sweep_statistics(
+        [
+            cell("ddpg", "Pendulum", [0.1, 0.2]),
+            cell("sac", "Pendulum", [0.9, NAN], statuses=[ended, RunStatus.DIVERGED]),
+        ]
+    )
+    assert found.tasks == ("Pendulum",)
+    (incomplete,) = found.incomplete
+    assert (incomplete.label, incomplete.unfinished) == ("sac", {"diverged": 1})
+    assert [one.runs for one in found.labels] == [2, 1]
+
+
+def test_entries_stand_in_the_order_of_the_request() -> None:
+    """The first one runs in the second task alone."""
+    cells = [
+        cell("mpc", "Acrobot", [0.1, 0.2], place=1),
+        cell("gd", "Pendulum", [0.1, 0.2], place=0),
+        cell("mpc", "Pendulum", [0.1, 0.2], place=1),
+    ]
+    assert [one.label for one in sweep_statistics(cells).labels] == ["gd", "mpc"]
+    assert [row.label for row in score_table(cells, "final", normalized=True).rows] == ["gd", "mpc"]
 
 
 def test_nothing_in_common_or_nothing_at_all() -> None:

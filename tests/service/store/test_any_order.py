@@ -22,7 +22,7 @@ from hypothesis.stateful import (
     run_state_machine_as_test,
 )
 
-from algorithms.measurement import Divergence
+from algorithms.early_end import Divergence
 from service.claim import Claim
 from service.run import ACTIVE, RunStatus
 from service.store.refusal import ImpossibleMoveError

@@ -10,7 +10,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from algorithms.measurement import Divergence, Measurement
+from algorithms.early_end import Divergence
+from algorithms.measurement import Measurement
 from service.claim import Claim
 from service.run import RunStatus
 from service.store.store import Store
@@ -39,25 +40,24 @@ def bits(value: float) -> bytes:
     suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=25, deadline=None
 )
 @given(
-    numbers=st.tuples(FLOATS, FLOATS, FLOATS),
+    numbers=st.tuples(FLOATS, FLOATS, FLOATS, FLOATS),
     counts=st.tuples(st.integers(0, 2**63 - 1), st.integers(0, 2**63 - 1)),
     diagnostics=st.dictionaries(st.text(st.characters(codec="utf-8")), FLOATS, max_size=5),
 )
 def test_every_number_comes_back_as_it_was(
     store: Store,
     submit: Submit,
-    numbers: tuple[float, float, float],
+    numbers: tuple[float, float, float, float],
     counts: tuple[int, int],
     diagnostics: dict[str, float],
 ) -> None:
     claim = claimed(store, submit)
-    put = Measurement(0, 800, numbers[0], numbers[1], *counts, numbers[2], diagnostics)
+    put = Measurement(0, 800, numbers[0], numbers[1], *counts, numbers[2], diagnostics, numbers[3])
     store.record(claim, Progress(800, measurements=(put,)))
     [got] = store.measurements(claim.runs[0].run_id)
     assert (got.seed, got.timestep, got.updates, got.jacobians) == (0, 800, *counts)
-    assert [bits(value) for value in (got.return_mean, got.return_history, got.seconds)] == [
-        bits(value) for value in numbers
-    ]
+    floats = (got.return_mean, got.return_history, got.seconds, got.compile_seconds)
+    assert [bits(value) for value in floats] == [bits(value) for value in numbers]
     assert list(got.diagnostics) == list(diagnostics)
     assert [bits(value) for value in got.diagnostics.values()] == [
         bits(value) for value in diagnostics.values()

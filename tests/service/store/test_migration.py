@@ -1,12 +1,16 @@
 """Migrations: what they make is what `tables` says, and each can be undone."""
 
+import math
+from dataclasses import replace
+
 from sqlalchemy import inspect, select
 
 from service.store import migration
 from service.store.connection import connect
 from service.store.store import Store
 from service.store.tables import metadata, runs
-from tests.service.store.conftest import Submit
+from tests.service.store.conftest import Submit, measured
+from workers.progress import Progress
 
 
 def test_migrations_make_the_tables(url: str) -> None:
@@ -55,6 +59,25 @@ def test_whatever_a_worker_once_had_may_have_left_files(
         query = select(runs.c.may_have_files).order_by(runs.c.ordinal)
         assert list(connection.scalars(query)) == [True, False]
     engine.dispose()
+
+
+def test_what_was_measured_before_compiling_was_told_apart_keeps_its_seconds(
+    store: Store, submit: Submit, url: str
+) -> None:
+    submit(seeds=1)
+    claim = store.claim_cohort("worker-1", 60.0, limit=1)
+    assert claim is not None
+    store.record(claim, Progress(800, measurements=(measured(0, 800),)))
+    store.close()
+    engine = connect(url, "writer")
+    migration.downgrade(engine, "0005")
+    migration.upgrade(engine)
+    engine.dispose()
+    again = Store.open(url)
+    [found] = again.measurements(claim.runs[0].run_id)
+    again.close()
+    assert math.isnan(found.compile_seconds)
+    assert replace(found, compile_seconds=0.25) == measured(0, 800)
 
 
 def test_opening_again_keeps_everything(store: Store, submit: Submit, url: str) -> None:

@@ -1,0 +1,85 @@
+"""Failing rows: what to do when one row of a batch raises.
+
+A simulator refuses a whole batch for one such row, but a run must not feel its neighbours: the rows
+to blame are found by halving the batch, and other rows are worked out in their place.
+"""
+
+import traceback
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from algorithms.early_end import Divergence, EarlyEnd, Failure, NotFiniteQuantityError
+from physics.environment import NotFiniteError
+
+Result = TypeVar("Result")
+Failures = dict[int, Exception]
+"""The error of each row that raised, by its index."""
+
+
+def call_rows(
+    call: Callable[..., Result],
+    *arrays: NDArray[Any],
+    substitutes: NDArray[np.int64] | None = None,
+) -> tuple[Result | None, Failures]:
+    """`call(*arrays)`, where every array has a row for each row of the result.
+
+    Args:
+        call: computes each row by itself, and raises if it can't compute one of them.
+        arrays: with as many rows each.
+        substitutes: the row [rows] that stands in for each that raises; by default one that does
+            not raise.
+
+    Returns:
+        The result, whose rows are those of their substitutes where they raise, None if all raise;
+        and the rows that raised.
+
+    Raises:
+        Exception: what `call` raises for substitutes, or for a batch of which no row raises alone.
+    """
+    try:
+        return call(*arrays), {}
+    except Exception:
+        failures = failing_rows(call, *arrays)
+        if not failures:
+            raise
+    rows = np.arange(len(arrays[0]))
+    if substitutes is None:
+        good = [row for row in rows if row not in failures]
+        if not good:
+            return None, failures
+        substitutes = np.full_like(rows, good[0])
+    bad = list(failures)
+    rows[bad] = substitutes[bad]
+    return call(*(array[rows] for array in arrays)), failures
+
+
+def failing_rows(call: Callable[..., object], *arrays: NDArray[Any], first: int = 0) -> Failures:
+    """The rows of a batch that raise, numbered from `first` on."""
+    size = len(arrays[0])
+    try:
+        call(*arrays)
+    except Exception as error:
+        if size == 1:
+            return {first: error}
+        half = size // 2
+        return failing_rows(call, *(a[:half] for a in arrays), first=first) | failing_rows(
+            call, *(a[half:] for a in arrays), first=first + half
+        )
+    return {}
+
+
+def early_end(seed: int, timestep: int, update: int, error: Exception) -> EarlyEnd:
+    """How a run ends by an error; arguments as in `Divergence`."""
+    if isinstance(error, NotFiniteQuantityError | NotFiniteError):
+        return Divergence(seed, timestep, update, error.quantity)
+    return Failure(seed, timestep, "".join(traceback.format_exception(error)))
+
+
+def found(result: Result | Exception) -> Result:
+    """What a row gave, or raise what it raised."""
+    if isinstance(result, Exception):
+        raise result
+    return result

@@ -1,0 +1,29 @@
+"""Gymnasium's spaces of a task.
+
+observation   Box of the features, float64: what a network sees, to the last bit. Finite where
+              the task promises bounds: cosines and sines, `Environment.bounds`
+action        Box(-1, 1), float32, as policies give them; float64 actions are taken unrounded
+"""
+
+import numpy as np
+from gymnasium.spaces import Box
+
+from physics.environment import Environment
+
+UNBOUNDED = (-np.inf, np.inf)
+SINE = (-1.0, 1.0)
+
+
+def observation_space(task: Environment) -> Box[np.float64]:
+    """Where the features [F] lie."""
+    bounds = [
+        SINE if source in task.angles else task.bounds.get(source, UNBOUNDED)
+        for source in task.feature_sources.tolist()
+    ]
+    low, high = np.array(bounds).T
+    return Box(low, high, dtype=np.float64)
+
+
+def action_space(task: Environment) -> Box[np.float32]:
+    """Where the actions [m] lie; beyond, they are clipped."""
+    return Box(-1.0, 1.0, (task.action_size,), np.float32)

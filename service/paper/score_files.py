@@ -1,0 +1,61 @@
+"""What every run came to, and the scale it is measured by, as files.
+
+    scores.csv          a line a run: what it was, whether it reached its end, its three scores, raw
+    random-returns.csv  a line a task: random with its 95 % interval, the task's best return
+
+    normalised = (score - random) / (best - random)
+
+Whatever tables and statistics say of scores follows from these two.
+"""
+
+import csv
+import json
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from service.environment import best_return
+from service.schemas.curves_answer import RandomReturnAnswer
+from service.schemas.run_answer import RunAnswer
+from service.statistics.score import SCORES
+
+Row = Mapping[str, str]
+
+SPEC = ("environment", "version", "algorithm", "w1", "w2", "config", "seed", "timesteps", "status")
+
+
+def write_scores(file: Path, measured: Iterable[tuple[RunAnswer, Sequence[Row]]]) -> None:
+    """Write scores.csv, of runs and their measurements; a run without any has no scores."""
+    lines = ((*_spec(run), *_scores(run, rows)) for run, rows in measured)
+    _write(file, (*SPEC, *SCORES), lines)
+
+
+def write_random_returns(file: Path, zeros: Mapping[str, RandomReturnAnswer | None]) -> None:
+    """Write random-returns.csv, for the tasks whose random return is known."""
+    lines = (
+        (environment, zero.mean, zero.low, zero.high, zero.episodes, best_return(environment))
+        for environment, zero in sorted(zeros.items())
+        if zero is not None
+    )
+    _write(file, ("environment", "random", "low", "high", "episodes", "best"), lines)
+
+
+def _write(file: Path, header: Sequence[str], lines: Iterable[Sequence[object]]) -> None:
+    with file.open("w", encoding="utf-8", newline="") as output:
+        writer = csv.writer(output, lineterminator="\n")
+        writer.writerow(header)
+        writer.writerows(lines)
+
+
+def _spec(run: RunAnswer) -> tuple[object, ...]:
+    config = json.dumps(run.config, sort_keys=True)
+    learner = (run.algorithm, run.weights.w1, run.weights.w2, config)
+    return run.environment, run.environment_version, *learner, run.seed, run.timesteps, run.status
+
+
+def _scores(run: RunAnswer, rows: Sequence[Row]) -> Iterator[float | str]:
+    timesteps = np.array([float(row["timestep"]) for row in rows])
+    for kind in SCORES.values():
+        values = np.array([float(row[kind.metric]) for row in rows])
+        yield kind.of(timesteps, values, run.timesteps) if rows else ""
