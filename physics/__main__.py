@@ -10,7 +10,7 @@ from physics.audit_record import COUNT, RegimeAudit, as_table, write_record
 from physics.catalogue import make, names
 from physics.compile_notice import compile_notice
 from physics.domain import RowsError
-from physics.environment import UnsolvedStepError
+from physics.environment import Environment, UnsolvedStepError
 
 
 def main() -> int:
@@ -24,36 +24,39 @@ def main() -> int:
     auditing.add_argument("--count", type=int, default=COUNT, help="smooth states of each regime")
     auditing.add_argument("--write", action="store_true", help="keep it as the project's record")
     arguments = parser.parse_args()
-    chosen = arguments.names or names()
-    compile_all(chosen)
+    try:
+        tasks = [make(name) for name in arguments.names or names()]
+    except ValueError as error:
+        parser.error(str(error))
+    compile_all(tasks)
     if arguments.command == "audit":
-        return audit_all(chosen, arguments.count, arguments.write)
+        return audit_all(tasks, arguments.count, arguments.write)
     return 0
 
 
-def compile_all(chosen: list[str]) -> None:
+def compile_all(tasks: list[Environment]) -> None:
     """Compile task by task, saying so."""
-    for name in chosen:
-        with compile_notice(name):
-            seconds = make(name).compile()
-        say(f"kernels of {name}: {seconds:.2f} s")
+    for task in tasks:
+        with compile_notice(task.name):
+            seconds = task.compile()
+        say(f"kernels of {task.name}: {seconds:.2f} s")
 
 
-def audit_all(chosen: list[str], count: int, keep: bool) -> int:
+def audit_all(tasks: list[Environment], count: int, keep: bool) -> int:
     """Audit task by task; return 1 if a derivative is further off than allowed."""
     rows: list[RegimeAudit] = []
     remarks: list[str] = []
-    for name in chosen:
-        say(f"audit of {name} ...")
-        start, task = time.perf_counter(), make(name)
+    for task in tasks:
+        say(f"audit of {task.name} ...")
+        start = time.perf_counter()
         try:
-            with compile_notice(f"the audit of {name}"):
+            with compile_notice(f"the audit of {task.name}"):
                 found = audit(task, count)
                 remarks += [*failures(found, count), *notes(task, found)]
             rows += found
         except (RowsError, UnsolvedStepError) as error:
             remarks.append(f"NOT PASSED: {error}")
-        say(f"audit of {name}: {time.perf_counter() - start:.1f} s")
+        say(f"audit of {task.name}: {time.perf_counter() - start:.1f} s")
     say(as_table(rows))
     for remark in remarks:
         say(remark)

@@ -39,12 +39,23 @@ def make(name: str) -> "Environment":
     """Make the task of that name.
 
     Raises:
-        ValueError: for an unknown name, naming the nearest known one; for an installed package
-            whose task calls itself otherwise than its entry point.
+        ValueError: for an unknown name, naming the nearest known one; for an installed task that
+            cannot be made, with all that is wrong with it, or calls itself otherwise than its
+            entry point.
     """
-    environment: Environment = _entry(name).load()()
-    if environment.name != name:
-        raise ValueError(f"entry point {name!r} makes a task named {environment.name!r}")
+    entry = _entry(name)
+    try:
+        environment: Environment = entry.load()()
+    except ValueError:
+        raise
+    except Exception as error:
+        raise ValueError(
+            f"{name} ({entry.value}) cannot be made: {type(error).__name__}: {error}"
+        ) from error
+    if getattr(environment, "name", None) != name:
+        raise ValueError(
+            f"entry point {name!r} makes {environment!r}, which is no task of its name"
+        )
     return environment
 
 

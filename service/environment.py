@@ -1,5 +1,6 @@
 """What the service knows of an environment: its declared constants, never its dynamics."""
 
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Self
@@ -48,8 +49,24 @@ class EnvironmentFacts:
 
 @cache
 def environment_facts(name: str) -> EnvironmentFacts:
-    """Return the facts of an environment. Raises ValueError for an unknown name."""
+    """Return the facts of an environment.
+
+    Raises:
+        ValueError: for an unknown name, and for an installed task that cannot be made.
+    """
     return EnvironmentFacts.of(physics.make(name))
+
+
+def known_environments() -> list[EnvironmentFacts]:
+    """Return the facts of all environments but installed ones that cannot be made.
+
+    Whoever names one of those is told why.
+    """
+    known = []
+    for name in physics.names():
+        with suppress(ValueError):
+            known.append(environment_facts(name))
+    return known
 
 
 def best_return(name: str) -> float:

@@ -7,11 +7,10 @@ from typing import Any
 from fastapi import APIRouter
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
-import physics
 from algorithms import catalogue
 from algorithms.presets import Preset, preset
 from physics.audit_record import audited
-from service.environment import EnvironmentFacts, environment_facts
+from service.environment import EnvironmentFacts, known_environments
 from service.schemas.run_answer import WeightsAnswer
 from service.schemas.sweep_request import (
     MAX_LISTED,
@@ -141,7 +140,7 @@ class CatalogueAnswer(BaseModel):
 @router.get("/catalogue")
 def get_catalogue() -> CatalogueAnswer:
     """List algorithms, environments and limits: all that a submission can be made of."""
-    environments = [environment_facts(name) for name in physics.names()]
+    environments = known_environments()
     return CatalogueAnswer(
         algorithms=[_algorithm(name, environments) for name in catalogue.names()],
         environments=[_environment(facts) for facts in environments],

@@ -188,6 +188,16 @@ def test_the_command_fails_on_no_number(
     assert "NOT PASSED: DistanceAtGoal, free: " in printed
 
 
+def test_the_command_refuses_a_name_in_a_sentence(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("sys.argv", ["physics", "audit", "Pendullum"])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 2
+    assert "error: unknown environment 'Pendullum'; did you mean" in capsys.readouterr().err
+
+
 def test_the_command(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setattr("sys.argv", ["physics", "audit", "MassPoint", "--count", "50"])
     assert main() == 0

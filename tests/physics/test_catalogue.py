@@ -6,6 +6,7 @@ import sys
 import pytest
 
 import physics
+from physics.catalogue import OWN
 
 
 def test_every_name_makes_its_task() -> None:
@@ -19,6 +20,27 @@ def test_an_unknown_name_is_answered_with_the_nearest() -> None:
         physics.make("pendullum")
     with pytest.raises(ValueError, match=r"unknown environment 'Zzz' \(known: MassPoint"):
         physics.make("Zzz")
+
+
+@pytest.mark.parametrize(
+    ("value", "complaint"),
+    [
+        (
+            "no_such_module:Task",
+            r"Mine \(no_such_module:Task\) cannot be made: ModuleNotFoundError",
+        ),
+        ("physics.pendulum:Nothing", r"Mine .* cannot be made: AttributeError"),
+        ("physics.environment:Environment", r"Mine .* cannot be made: TypeError: .*abstract"),
+        ("physics.pendulum:Pendulum", r"makes <.*Pendulum object.*>, which is no task of its name"),
+        ("builtins:dict", r"entry point 'Mine' makes {}, which is no task of its name"),
+    ],
+)
+def test_an_entry_that_makes_no_task_is_refused_by_name(
+    monkeypatch: pytest.MonkeyPatch, value: str, complaint: str
+) -> None:
+    monkeypatch.setitem(OWN, "Mine", value)
+    with pytest.raises(ValueError, match=complaint):
+        physics.make("Mine")
 
 
 def test_compiling_reports_each_task() -> None:

@@ -1,9 +1,11 @@
 """The catalogue says all that a submission can be made of."""
 
+import pytest
 from starlette.testclient import TestClient
 
 import physics
 from algorithms import catalogue
+from physics.catalogue import OWN
 
 
 def test_everything_that_is_there_is_listed(idle_client: TestClient) -> None:
@@ -15,6 +17,20 @@ def test_everything_that_is_there_is_listed(idle_client: TestClient) -> None:
         schema = algorithm["config_schema"]["properties"]
         assert schema["hidden_units"]["minimum"] == 4
         assert all(setting["description"] for setting in schema.values())
+
+
+def test_an_installed_task_that_cannot_be_made_is_left_out_and_explained(
+    idle_client: TestClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its author is told why on submitting; nobody else loses the catalogue."""
+    monkeypatch.setattr("physics.catalogue.OWN", OWN | {"Broken": "no_such_module:Broken"})
+    answer = idle_client.get("/api/v1/catalogue")
+    assert answer.status_code == 200
+    assert [each["name"] for each in answer.json()["environments"]] == list(OWN)
+    body = {"algorithms": [{"name": "ddpg"}], "environments": ["Broken"], "seeds": 1}
+    refused = idle_client.post("/api/v1/sweeps?dry_run=true", json=body)
+    assert refused.status_code == 422
+    assert "Broken (no_such_module:Broken) cannot be made: ModuleNotFoundError" in refused.text
 
 
 def test_every_environment_carries_its_gradient_audit(idle_client: TestClient) -> None:
