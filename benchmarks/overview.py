@@ -137,7 +137,9 @@ def fill(store: Store) -> str:
     versions = dict.fromkeys(TASKS, 1)
     for task in TASKS:
         store.record_random_return(RandomReturn(task, 1, -1000.0, -1010.0, -990.0, 1000))
-    sweep = store.create_sweep("overview", 0, {}, specs, environment_versions=versions)
+    entries = [{"name": name, "weights": {"w1": w1, "w2": w2}} for name, (w1, w2) in CURVES]
+    request = {"algorithms": entries, "environments": list(TASKS), "seeds": SEEDS}
+    sweep = store.create_sweep("overview", 0, request, specs, environment_versions=versions)
     while (claim := store.claim_cohort("worker", 600.0)) is not None:
         measurements = tuple(one for spec in claim.specs for one in measured(spec))
         ended = tuple(spec.seed for spec in claim.specs)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterable, Sequence
 from typing import Annotated
 
 import typer
 from pydantic import BaseModel
-from rich.console import Console
+from rich.console import Console, Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
@@ -44,25 +45,39 @@ def print_table(headings: Sequence[str], rows: Rows, console: Console = console)
         console.file.write("\t".join(plain(cell) for cell in row) + "\n")
 
 
-def table_of(headings: Sequence[str], rows: Rows, width: int) -> Table:
+def table_of(headings: Sequence[str], rows: Rows, width: int) -> RenderableType:
     """The table for a terminal so wide: without empty columns, long cells folded, short ones whole.
 
-    Where those do not fit beside each other, only the first column, of ids, stays whole.
+    Where the short ones do not fit beside each other, a paragraph a row.
     """
     columns = [
         (heading, [plain(cell) for cell in cells])
         for heading, *cells in zip(headings, *rows, strict=True)
     ]
     shown = [(heading, cells) for heading, cells in columns if any(cells) or not cells]
-    table = Table(box=None, padding=(0, PADDING, 0, 0), header_style="bold")
     widths = [max(map(len, (heading, *cells))) for heading, cells in shown]
     least = sum(PADDING + (each if each <= MAX_UNFOLDED else 1) for each in widths)
-    for place, ((heading, _), each) in enumerate(zip(shown, widths, strict=True)):
-        is_whole = place == 0 or least <= width
-        table.add_column(heading, overflow="fold", no_wrap=is_whole and each <= MAX_UNFOLDED)
+    if least > width:
+        return _paragraphs(shown, width)
+    table = Table(box=None, padding=(0, PADDING, 0, 0), header_style="bold")
+    for (heading, _), each in zip(shown, widths, strict=True):
+        table.add_column(heading, overflow="fold", no_wrap=each <= MAX_UNFOLDED)
     for row in zip(*(cells for _, cells in shown), strict=True):
         table.add_row(*map(Text, row))
     return table
+
+
+def _paragraphs(columns: Sequence[tuple[str, Sequence[str]]], width: int) -> Group:
+    """`4ce281638b71-7, status diverged, learner ddpg noise=0.1, ...`: a row a paragraph."""
+    (_, firsts), *others = columns
+    lines = [
+        ", ".join([first, *(f"{heading} {cells[i]}" for heading, cells in others if cells[i])])
+        for i, first in enumerate(firsts)
+    ]
+    wrapped = (
+        textwrap.wrap(line, width, subsequent_indent="  ", break_on_hyphens=False) for line in lines
+    )
+    return Group(*(Text("\n".join(each)) for each in wrapped))
 
 
 def plain(cell: object) -> str:

@@ -28,6 +28,7 @@ MIN_WIDTH_INCHES = 6.4
 PANELS_INCHES = 5.2  # both rows and the caption
 LEGEND_COLUMN_INCHES = 1.8
 LEGEND_ROW_INCHES = 0.18
+HANDLE_LENGTHS = 4.0  # of the font's size: a whole pattern of dashes and dots
 CAPTION_CHARACTERS_PER_INCH = 19
 
 
@@ -68,6 +69,7 @@ def _figure(title: str, rows: Sequence[Comparison]) -> Figure:
         handles=[Line2D([], [], label=printable(label), **styles[label]) for label in styles],
         loc="outside upper center",
         ncols=legend_columns,
+        handlelength=HANDLE_LENGTHS,
         frameon=False,
     )
     lines = textwrap.wrap(caption(rows), int(width * CAPTION_CHARACTERS_PER_INCH))

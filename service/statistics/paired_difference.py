@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from algorithms.presets import HYBRIDS
 from service.comparison import grouped, scale
 from service.curves import Floats
 from service.entry import Entries
@@ -25,7 +26,7 @@ from service.statistics.sample import Sample, sample
 from service.statistics.score import area
 from workers.random_return import RandomReturn
 
-BASELINES = {"hybrid-ddpg": "ddpg", "hybrid-ddpg-cosine": "ddpg", "hybrid-sac": "sac"}
+BASELINES = {name: hybrid.baseline for name, hybrid in HYBRIDS.items()}
 
 
 @dataclass(frozen=True)

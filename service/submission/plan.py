@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from algorithms.measurement import MEASURE_EVERY
-from algorithms.presets import preset
+from algorithms.presets import completed, preset
 from service.entry import Entries, Entry
 from service.environment import environment_facts
 from service.problems import Fault, InvalidRequest
@@ -94,7 +94,7 @@ def _spec(entry: Entry, environment: str, request: SweepRequest, seed: int) -> R
         seed=seed,
         weights=usual.weights if entry.weights is None else entry.weights,
         timesteps=_scaled(request.timesteps or usual.timesteps, request.scale),
-        config={**usual.config, **entry.config},
+        config=completed(entry.algorithm, environment, entry.config),
     )
 
 

@@ -86,6 +86,7 @@ def test_the_time_of_an_earlier_life_counts() -> None:
     again = learner_of(1, [0])
     again.restore(saved_runs(learner))
     assert again.state(0)["seconds"] == learner.state(0)["seconds"] > 0
+    assert again.state(0)["compile_seconds"] >= learner.state(0)["compile_seconds"]
 
 
 def test_the_journal_goes_on_where_it_was_read_last() -> None:

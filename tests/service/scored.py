@@ -53,7 +53,7 @@ def run_curve(
     """A succeeded run measured at 800, 1600, ..."""
     status = fields.pop("status", RunStatus.SUCCEEDED)
     return RunCurve(
-        run_id=f"{algorithm}-{environment}-{seed}",
+        run_id=fields.pop("run_id", f"{algorithm}-{environment}-{seed}"),
         spec=RunSpec(algorithm, environment, seed, **fields),
         environment_version=1,
         status=status,

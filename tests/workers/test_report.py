@@ -92,3 +92,14 @@ def bits_of(measurement: Measurement) -> list[object]:
         (name, "NaN" if math.isnan(value) else struct.pack("<d", value))
         for name, value in numbers.items()
     ]
+
+
+def test_what_an_earlier_version_left_to_read_has_no_compile_seconds() -> None:
+    """It may have trained on while the service was brought up to date."""
+    point = Measurement(0, 800, -1.0, -1.0, 400, 0, 0.1, {}, 0.25)
+    line = to_line(News("w", "a-0/1", Progress(800, measurements=(point,))))
+    report = from_line(line.replace(', "compile_seconds": 0.25', ""))
+    assert isinstance(report, News)
+    [found] = report.progress.measurements
+    assert math.isnan(found.compile_seconds)
+    assert (found.timestep, found.seconds) == (800, 0.1)

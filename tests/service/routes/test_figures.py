@@ -7,13 +7,15 @@ import pytest
 from fastapi import FastAPI
 from starlette.testclient import TestClient
 
+from algorithms.early_end import Divergence
 from service.figures.die_figure import bounces
 from service.settings import Settings
 from service.side_process import BusyError
 from service.store.store import Store
 from tests.service.conftest import SWEEP, changed
-from tests.service.training import RANDOM, random_return, rising, train
+from tests.service.training import RANDOM, measured, random_return, rising, train
 from tests.workers.test_rollout import write_policy
+from workers.progress import Progress
 
 
 def test_figures_are_files_with_the_same_bytes_each_time(reader: TestClient, trained: str) -> None:
@@ -133,6 +135,25 @@ def test_a_figure_of_what_was_learned(
     refusal = client.get(f"{link}.svg")
     assert refusal.status_code == 409
     assert "cannot be read" in refusal.json()["detail"]
+
+
+def test_the_best_run_is_one_that_reached_its_end(
+    client: TestClient, store: Store, settings: Settings
+) -> None:
+    """Seed 2 earned the most, and diverged."""
+    body = changed(environments=["RollingDie"], algorithms=[{"name": "hybrid-ddpg"}])
+    sweep = client.post("/api/v1/sweeps", json=body).json()
+    link = f"{sweep['links']['self']}/figures/3.svg"
+    claim = store.claim_cohort("worker", 60.0)
+    assert claim is not None
+    measurements = tuple(measured(spec, 4000, rising(spec, 4000)) for spec in claim.specs)
+    store.record(claim, Progress(4000, measurements=measurements))
+    assert "no run has ended" in texts(client.get(link).content)
+    diverged = (Divergence(2, 4000, 2000, "critic_loss"),)
+    store.record(claim, Progress(4000, diverged=diverged, finished=(0, 1)))
+    for run in range(3):
+        write_policy(settings.checkpoint_place, f"{sweep['id']}-{run}", "RollingDie")
+    assert "best run: seed 1" in texts(client.get(link).content)
 
 
 def test_a_bounce_is_contacts_that_follow_one_another_at_once() -> None:

@@ -4,7 +4,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
@@ -50,6 +50,7 @@ def assert_equal(ours: Floats, theirs: Floats) -> None:
     np.testing.assert_allclose(profile.share, shares, atol=1e-12)
 
 
+@settings(deadline=None)
 @given(TIED)
 def test_on_scores_with_ties(both: Floats) -> None:
     assert_equal(*both)

@@ -6,6 +6,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from service.claim import Claim
 from service.run import RunStatus
 from service.store.refusal import ImpossibleMoveError, NotFoundError
 from service.store.store import Store
@@ -114,6 +115,50 @@ def test_counts_progress_and_pace(store: Store, submit: Submit) -> None:
     assert ended.runs == RunCounts(succeeded=3, failed=1)
     assert (ended.progress, ended.eta_seconds) == (1.0, 0.0)
     assert ended.status is SweepStatus.FINISHED
+
+
+def test_progress_is_of_what_was_trained(store: Store, submit: Submit) -> None:
+    """A run that was cancelled or failed has done what it did, and has nothing left to do."""
+    sweep = submit(seeds=4, timesteps=1600)
+    store.cancel_run(f"{sweep.id}-3")
+    cancelled = store.find_sweep(sweep.id)
+    assert cancelled is not None
+    assert cancelled.progress == 0.0
+    claim = store.claim_cohort("w", LEASE)
+    assert claim is not None
+    store.record(claim, Progress(800))
+    store.fail(claim.only({f"{sweep.id}-0"}), "ValueError: no")
+    halfway = store.find_sweep(sweep.id)
+    assert halfway is not None
+    assert halfway.progress == 3 * 800 / (4 * 1600)
+    store.record(claim, Progress(1600, finished=(1, 2)))
+    ended = store.find_sweep(sweep.id)
+    assert ended is not None
+    assert (ended.progress, ended.eta_seconds) == ((800 + 2 * 1600) / (4 * 1600), 0.0)
+
+
+def test_a_sweep_without_a_finished_run_is_not_done(store: Store, submit: Submit) -> None:
+    for end in (store.cancel_sweep, lambda _: store.fail(claimed(store), "ValueError: no")):
+        sweep = submit()
+        end(sweep.id)
+        ended = store.find_sweep(sweep.id)
+        assert ended is not None
+        assert (ended.runs.active, ended.progress) == (0, 0.0)
+
+
+def claimed(store: Store) -> Claim:
+    claim = store.claim_cohort("w", LEASE)
+    assert claim is not None
+    return claim
+
+
+def test_what_was_posted_is_read_alone(store: Store) -> None:
+    request = {"name": "é", "seeds": 1}
+    specs = [RunSpec("ddpg", "Pendulum", 0)]
+    sweep = store.create_sweep("x", 0, request, specs, environment_versions={"Pendulum": 1})
+    assert store.sweep_request(sweep.id) == request
+    with pytest.raises(NotFoundError, match="no sweep"):
+        store.sweep_request("0123456789ab")
 
 
 def test_cancelling_a_sweep_ends_what_waits_and_tells_what_runs(
