@@ -11,8 +11,8 @@ Sources: Lillicrap et al. (2015); OpenAI Baselines (Dhariwal et al., 2017), comm
 parameter noise, Plappert et al. (2017). Differences from Baselines:
 
 - the critic returns a normalised Q, whose mean and standard deviation follow the targets seen in
-  the replay; when they move, the output layers of Q and Q' are changed so that Q is not
-  (algorithms.value_scale);
+  the replay; when they move, the output layers of Q and Q' are changed so that Q is not, and Adam's
+  moments of both networks are those of the new unit (algorithms.value_scale);
 - the critic takes features and action side by side at its input (as Baselines did from September
   2018 on), and hidden units are tanh, not ReLU: the hybrid needs a smooth critic;
 - weight decay is on hidden products alone (as Baselines from November 2018 on);

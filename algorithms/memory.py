@@ -17,6 +17,7 @@ import physics
 from algorithms import catalogue
 from algorithms.gd_config import GDConfig
 from algorithms.mpc_config import MPCConfig
+from algorithms.presets import completed
 
 if TYPE_CHECKING:
     from physics.environment import Environment
@@ -37,7 +38,7 @@ def bytes_per_run(
         ValueError: for an unknown name or a bad value.
     """
     chosen = catalogue.find(algorithm)
-    settings = chosen.config_class()(**config)
+    settings = chosen.config_class()(**completed(algorithm, environment, config))
     of_run = chosen.load_memory()
     return 0 if of_run is None else of_run(physics.make(environment), weights, timesteps, settings)
 

@@ -13,6 +13,7 @@ SETTINGS: dict[str, list[dict[str, Any]]] = {
 }
 
 
+@pytest.mark.filterwarnings("ignore:.*matches no gradients")
 @pytest.mark.parametrize("environment", ["Pendulum", "HalfCheetah"])
 @pytest.mark.parametrize("algorithm", catalogue.OWN)
 def test_what_is_worked_out_is_what_the_learner_has(algorithm: str, environment: str) -> None:

@@ -146,7 +146,7 @@ def test_a_run_has_the_same_bits_alone_in_a_cohort_and_after_others_are_dropped(
 
 
 def test_an_episode_that_the_task_ends_ends_the_run() -> None:
-    learner = algorithms.build("mpc", "MassPoint", [0], (0, 0), HOUR, {"horizon": 60})
+    learner = algorithms.build("mpc", "MassPoint", [0], (0, 0), HOUR, {"iterations": 5})
     found = [m for m in iter_events(learner) if isinstance(m, Measurement)]
     assert found[-1].diagnostics["actions"] == 49  # full speed: see test_ilqr
     assert found[-1].timestep < HOUR

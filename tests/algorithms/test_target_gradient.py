@@ -38,7 +38,9 @@ def by_differences(
                 s[:, seen[j]] += sign * STEP
             else:
                 a[:, j - len(seen)] += sign * STEP
-            smooth &= (task.pieces(s, a).piece == here).all(axis=1)
+            beyond = task.outside(s)
+            s[beyond] = states[beyond]
+            smooth &= ~beyond & (task.pieces(s, a).piece == here).all(axis=1)
             transition = task.step(s, a)
             x = batch.normal(torch.tensor(task.features(transition.next_state)))
             v = scaling.value_mean + scaling.value_std * following(x).detach().numpy()

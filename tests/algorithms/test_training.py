@@ -42,6 +42,7 @@ def test_alone_and_in_a_cohort_of_16_the_same_bits(name: str) -> None:
     ("hybrid", "plain"),
     [("hybrid-ddpg", "ddpg"), ("hybrid-ddpg-cosine", "ddpg"), ("hybrid-sac", "sac")],
 )
+@pytest.mark.filterwarnings("ignore:.*matches no gradients")
 def test_hybrid_without_weights_is_the_plain_learner(hybrid: str, plain: str) -> None:
     assert curves(hybrid, [0, 1], (0.0, 0.0)) == curves(plain, [0, 1])
     assert curves(hybrid, [0, 1]) != curves(plain, [0, 1])
