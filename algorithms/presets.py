@@ -18,9 +18,9 @@ by hand, 12,000 timesteps, seeds 100 to 107: area -4.0 for (0, 0), -4.7 for (1, 
 The usual weights, area under the normalised curve, hybrid minus baseline, 8 seeds, presets of the
 baseline, after the unit of Q was mended: of hybrid-ddpg (1, 0) Pendulum +.078, MountainCar +.001,
 Acrobot -.026, CartPole +.007, RollingDie +.043, the swing-up +.094; of the cosine (.01, .01) +.004,
-+.008, +.069, +.036, +.047, +.099; of hybrid-sac (.1, .1) Pendulum +.024 (10,000 timesteps), CartPole
-+.005 (16,000), MountainCar +.013 (10,000), the swing-up +.021 (20,000); (1, 0) +.009, .000, -.008,
-+.022; (.1, 0) +.024, -.006, -.006, -.001.
++.008, +.069, +.036, +.047, +.099; of hybrid-sac (.1, .1) Pendulum +.024 (10,000 timesteps),
+CartPole +.005 (16,000), MountainCar +.013 (10,000), the swing-up +.021 (20,000); of (1, 0) +.009,
+.000, -.008, +.022; of (.1, 0) +.024, -.006, -.006, -.001.
 
 gd and mpc, tuning seeds 100 to 103: normalised return. For gd the area under the curve and the
 mean of the last ten measurements, 40,000 timesteps or until the plateau, one episode an update
