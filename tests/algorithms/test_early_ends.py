@@ -187,9 +187,13 @@ class Tripping(OtherRewards):
             raise RuntimeError("tripped over a cable")
 
 
-@pytest.mark.parametrize("where", ["start", "step"])
-@pytest.mark.parametrize("name", LEARNERS)
+@pytest.mark.parametrize(
+    ("name", "where"),
+    [(name, where) for name in LEARNERS for where in ("start", "step")
+     if (name, where) != ("mpc", "start")],
+)  # fmt: skip
 def test_code_that_raises_in_one_run_fails_that_run(name: str, where: str) -> None:
+    """mpc draws its only start beside those that it looks at the whole task from."""
     task, seeds = Tripping(where, above=5.0 if name == "mpc" else 7.9), range(8)
 
     def trained(chosen: Sequence[int]) -> Events:
