@@ -1,6 +1,6 @@
 """`python -m algorithms`: train without a service."""
 
-from algorithms.commands import app
+from algorithms.cli.commands import app
 
 if __name__ == "__main__":
     app()

@@ -15,9 +15,8 @@ import numpy as np
 
 import physics
 from algorithms import catalogue
-from algorithms.gd_config import GDConfig
-from algorithms.mpc_config import MPCConfig
 from algorithms.presets import completed
+from algorithms.settings import GDConfig, MPCConfig
 
 if TYPE_CHECKING:
     from physics.environment import Environment

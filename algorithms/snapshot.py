@@ -11,13 +11,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from algorithms import network
-from algorithms.layer import Array
-from algorithms.network import Shape
-from algorithms.policy import Policies, Policy
-from algorithms.scaling import normalise
+from algorithms.networks import network
+from algorithms.networks.layer import Array
+from algorithms.networks.network import Shape
+from algorithms.networks.policy import Policies, Policy
+from algorithms.networks.scaling import normalise
 from algorithms.state import State, part, within
-from physics.compiled import compiled_fast
+from physics.kernels.compiled import compiled_fast
 
 FloatArray = NDArray[np.float64]
 

@@ -17,8 +17,8 @@ from algorithms.early_end import DivergedError, Divergence, FailedRunsError, Fai
 from algorithms.learner import Learner
 from algorithms.measurement import Measurement
 from algorithms.presets import HYBRIDS, LARGEST_WEIGHT, SMALLEST_WEIGHT, completed, preset
-from physics.compile_notice import noticed
 from physics.environment import Environment
+from physics.kernels.compile_notice import noticed
 
 
 def train(

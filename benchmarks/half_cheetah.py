@@ -19,8 +19,8 @@ import gymnasium
 import mujoco
 import numpy as np
 
-from physics.half_cheetah import SUBSTEPS, HalfCheetah
 from physics.randomness import generator
+from physics.tasks.half_cheetah import SUBSTEPS, HalfCheetah
 
 STATES = 40
 BATCH = 16

@@ -27,9 +27,9 @@ from stable_baselines3 import DDPG, SAC
 from stable_baselines3.common.logger import configure
 
 from algorithms import catalogue
-from algorithms.off_policy import Agent
-from algorithms.replay import Memory
-from algorithms.rollout import Experience
+from algorithms.actor_critic.learner import Agent
+from algorithms.experience.replay import Memory
+from algorithms.experience.rollout import Experience
 from algorithms.threads import one_thread
 from benchmarks.peers import jax_ddpg
 from physics.drawing import Drawing

@@ -17,11 +17,11 @@ from pathlib import Path
 
 from benchmarks.simulated.pool import POINTS, PretendedPool
 from benchmarks.simulated.processor_time import ProcessorTime
-from service.dispatch import Dispatcher
-from service.scheduler import DispatchTimes
+from service.queue.dispatch import Dispatcher
+from service.queue.scheduler import DispatchTimes
 from service.store.store import Store
 from tests.service.store.postgresql import running_postgresql
-from workers.run_spec import COHORT_LIMIT, RunSpec
+from workers.messages.run_spec import COHORT_LIMIT, RunSpec
 
 WORKERS = (10, 100, 1000)
 QUEUED = 100_000

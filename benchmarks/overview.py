@@ -27,12 +27,12 @@ from pydantic import SecretStr
 
 from algorithms.measurement import Measurement
 from physics.randomness import generator
-from service.app import create_app
+from service.api.app import create_app
 from service.settings import Settings
 from service.store.store import Store
-from workers.progress import Progress
-from workers.random_return import RandomReturn
-from workers.run_spec import RunSpec
+from workers.messages.progress import Progress
+from workers.messages.random_return import RandomReturn
+from workers.messages.run_spec import RunSpec
 
 TOKEN = "token-of-the-benchmark-0000"  # noqa: S105
 TASKS = (

@@ -14,13 +14,13 @@ from pathlib import Path
 from typing import Any
 
 from algorithms.measurement import Measurement
-from service.claim import Claim
-from service.store import diagnostics
+from service.model.claim import Claim
 from service.store.connection import connect
+from service.store.reading import diagnostics
 from service.store.store import Store
 from tests.service.store.postgresql import running_postgresql
-from workers.progress import Progress
-from workers.run_spec import COHORT_LIMIT, RunSpec
+from workers.messages.progress import Progress
+from workers.messages.run_spec import COHORT_LIMIT, RunSpec
 
 LEASE_SECONDS = 600.0
 ROUNDS = 5

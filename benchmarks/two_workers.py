@@ -1,9 +1,9 @@
 """Two workers: what a second one adds, against the ideal of twice as much.
 
-16 seeds of hybrid-ddpg on Pendulum by `workers/execute.py`, in one process alone and then in two at
-once, each on one thread, with warm kernels. What counts is updates of all seeds together a second,
-by the clock on the wall, from the first news of measurements to the last: loading and compiling are
-not in it.
+16 seeds of hybrid-ddpg on Pendulum by `workers/training/execute.py`, in one process alone and then
+in two at once, each on one thread, with warm kernels. What counts is updates of all seeds together
+a second, by the clock on the wall, from the first news of measurements to the last: loading and
+compiling are not in it.
 
     python -m benchmarks.two_workers [TIMESTEPS]
 """
@@ -16,9 +16,9 @@ from concurrent.futures import ProcessPoolExecutor
 from multiprocessing.synchronize import Barrier
 from pathlib import Path
 
-from workers.assignment import Assignment
-from workers.execute import execute
-from workers.run_spec import COHORT_LIMIT, RunSpec
+from workers.messages.assignment import Assignment
+from workers.messages.run_spec import COHORT_LIMIT, RunSpec
+from workers.training.execute import execute
 
 TIMESTEPS = 20_000
 ROUNDS = 3

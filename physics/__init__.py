@@ -8,7 +8,7 @@ someone imports it, before or after this package.
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from physics.import_watch import when_imported
+from physics.gym.import_watch import when_imported
 
 if TYPE_CHECKING:
     from physics.autograd import torch_step
@@ -36,7 +36,7 @@ def __dir__() -> list[str]:
 
 def _register_with_gymnasium() -> None:
     """Load what knows Gymnasium, and let it register the tasks."""
-    import_module("physics.gymnasium_registration").register()
+    import_module("physics.gym.registration").register()
 
 
 when_imported("gymnasium", _register_with_gymnasium)

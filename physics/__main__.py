@@ -4,13 +4,13 @@ import argparse
 import sys
 import time
 
-from physics.audit import audit
-from physics.audit_notes import failures, notes
-from physics.audit_record import COUNT, RegimeAudit, as_table, write_record
+from physics.audit.audit import audit
+from physics.audit.notes import failures, notes
+from physics.audit.record import COUNT, RegimeAudit, as_table, write_record
 from physics.catalogue import make, names
-from physics.compile_notice import compile_notice
 from physics.domain import RowsError
 from physics.environment import Environment, UnsolvedStepError
+from physics.kernels.compile_notice import compile_notice
 
 
 def main() -> int:

@@ -16,14 +16,14 @@ if TYPE_CHECKING:
 GROUP = "d3pg.environments"
 
 OWN = {
-    "MassPoint": "physics.mass_point:MassPoint",
-    "CartPole": "physics.cart_pole:CartPole",
-    "CartPoleSwingUp": "physics.cart_pole_swing_up:CartPoleSwingUp",
-    "Pendulum": "physics.pendulum:Pendulum",
-    "MountainCar": "physics.mountain_car:MountainCar",
-    "Acrobot": "physics.acrobot:Acrobot",
-    "RollingDie": "physics.rolling_die:RollingDie",
-    "HalfCheetah": "physics.half_cheetah:HalfCheetah",
+    "MassPoint": "physics.tasks.mass_point:MassPoint",
+    "CartPole": "physics.tasks.cart_pole:CartPole",
+    "CartPoleSwingUp": "physics.tasks.cart_pole_swing_up:CartPoleSwingUp",
+    "Pendulum": "physics.tasks.pendulum:Pendulum",
+    "MountainCar": "physics.tasks.mountain_car:MountainCar",
+    "Acrobot": "physics.tasks.acrobot:Acrobot",
+    "RollingDie": "physics.tasks.rolling_die:RollingDie",
+    "HalfCheetah": "physics.tasks.half_cheetah:HalfCheetah",
 }
 
 

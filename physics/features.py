@@ -21,7 +21,7 @@ import numpy as np
 from array_api_compat import array_namespace
 from numpy.typing import NDArray
 
-from physics.compiled import compiled
+from physics.kernels.compiled import compiled
 
 Array = TypeVar("Array", bound=Any)
 

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physics.compiled import compiled
+from physics.kernels.compiled import compiled
 
 FloatArray = NDArray[np.float64]
 

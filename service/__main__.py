@@ -7,10 +7,10 @@ import uvicorn
 from pydantic import ValidationError
 from sqlalchemy.exc import OperationalError
 
-from service.access_token import access_token, signin_link
+from service.api.access_token import access_token, signin_link
+from service.api.logs import configure_logging
 from service.bootstrap import wired
 from service.data_dir import DataDirInUseError
-from service.logs import configure_logging
 from service.settings import Settings
 from service.store.refusal import DatabaseInUseError, MissingDriverError, UnsafeSQLiteError
 

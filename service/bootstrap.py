@@ -6,14 +6,14 @@ from functools import partial
 
 from fastapi import FastAPI
 
-from service.app import create_app
-from service.checkpoint_removal import CheckpointRemoval
+from service.api.app import create_app
 from service.data_dir import owned
-from service.dispatch import Dispatcher
+from service.queue.checkpoint_removal import CheckpointRemoval
+from service.queue.dispatch import Dispatcher
+from service.queue.worker_memory import runs_at_once
 from service.settings import Settings
 from service.store.store import Store
-from service.worker_memory import runs_at_once
-from workers.pool_process import PoolProcess, PoolSettings
+from workers.pool.process import PoolProcess, PoolSettings
 
 
 @contextmanager

@@ -6,7 +6,7 @@
     client.wait(sweep.id)
     curves = client.curves(sweep.id, normalized=True)
 
-Answers are the service's own models (`service.schemas`), as the OpenAPI document shows them.
+Answers are the service's own models (`service.api.schemas`), as the OpenAPI document shows them.
 Importing this module loads neither numba nor torch nor ray.
 """
 
@@ -26,18 +26,18 @@ from typing import Any, Literal, Self, TypeVar
 import httpx2
 from pydantic import BaseModel
 
-from service.figures.figure_form import Form
-from service.figures.paper_figure import Number
-from service.schemas.curves_answer import CurvesAnswer
-from service.schemas.measurements_answer import MeasurementsAnswer
-from service.schemas.page import Page
-from service.schemas.readiness_answer import ReadinessAnswer
-from service.schemas.rollout_answer import RolloutAnswer
-from service.schemas.run_answer import AttemptAnswer, ListedRunAnswer, RunAnswer
-from service.schemas.score_table_answer import ScoreTableAnswer
-from service.schemas.statistics_answer import StatisticsAnswer
-from service.schemas.sweep_answer import DryRunAnswer, SweepAnswer
-from service.schemas.sweep_request import SweepRequest
+from service.analysis.figures.figure_form import Form
+from service.analysis.figures.paper_figure import Number
+from service.api.schemas.curves_answer import CurvesAnswer
+from service.api.schemas.measurements_answer import MeasurementsAnswer
+from service.api.schemas.page import Page
+from service.api.schemas.readiness_answer import ReadinessAnswer
+from service.api.schemas.rollout_answer import RolloutAnswer
+from service.api.schemas.run_answer import AttemptAnswer, ListedRunAnswer, RunAnswer
+from service.api.schemas.score_table_answer import ScoreTableAnswer
+from service.api.schemas.statistics_answer import StatisticsAnswer
+from service.api.schemas.sweep_answer import DryRunAnswer, SweepAnswer
+from service.api.schemas.sweep_request import SweepRequest
 
 API = "/api/v1"
 

@@ -8,8 +8,8 @@ from typing import Annotated, Self
 from pydantic import ByteSize, Field, SecretStr, field_validator, model_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
-from service.worker_memory import LEAST_BYTES, PROCESS_BYTES, usual_worker_memory
-from workers.place import Place, place_of
+from service.queue.worker_memory import LEAST_BYTES, PROCESS_BYTES, usual_worker_memory
+from workers.checkpoints.place import Place, place_of
 
 LOOPBACK_HOSTS = frozenset({"127.0.0.1", "localhost", "[::1]"})
 WILDCARD_ADDRESSES = frozenset({"0.0.0.0", "::"})  # noqa: S104 - recognised, not bound

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from tests.object_store import ObjectStore, forget_clients
-from workers.place import Place
+from workers.checkpoints.place import Place
 
 
 @pytest.fixture(scope="session")

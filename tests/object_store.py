@@ -6,8 +6,8 @@ from typing import Any
 import fsspec
 from moto.server import ThreadedMotoServer
 
-from workers import place
-from workers.bucket import OPTIONS, SCHEME
+from workers.checkpoints import place
+from workers.checkpoints.bucket import OPTIONS, SCHEME
 
 SECRET = "a-secret-key-of-tests"  # noqa: S105
 NAMES = itertools.count()

@@ -5,8 +5,8 @@ import shutil
 import socket
 from pathlib import Path
 
-from workers.cluster import drive
-from workers.placement import Bounds
+from workers.driver.cluster import drive
+from workers.driver.placement import Bounds
 
 
 def main() -> None:

@@ -1,9 +1,10 @@
 """The same update in JAX, as a peer: jitted, a cycle scanned, the seeds vmapped.
 
-Networks, losses, targets, weight decay, Adam and Polyak averaging are those of `algorithms.ddpg`
-and its L2 hybrid, on random transitions of the same sizes (features are coordinates, so that the
-critic's input gradient is the matched gradient). Left out, in the peer's favour: normalisation,
-noise, diagnostics. The matched gradient is taken by `jax.grad` and differentiated again by JAX.
+Networks, losses, targets, weight decay, Adam and Polyak averaging are those of
+`algorithms.actor_critic.ddpg` and its L2 hybrid, on random transitions of the same sizes (features
+are coordinates, so that the critic's input gradient is the matched gradient). Left out, in the
+peer's favour: normalisation, noise, diagnostics. The matched gradient is taken by `jax.grad` and
+differentiated again by JAX.
 """
 
 from collections.abc import Callable

@@ -13,10 +13,10 @@ from dataclasses import dataclass, field
 
 from algorithms.measurement import MEASURE_EVERY, Measurement
 from benchmarks.simulated.processor_time import ProcessorTime
-from workers.progress import Activity, Progress, Resumption
-from workers.random_return import RandomReturn
-from workers.report import Busy, Ended, News, Ready, Report, from_line, to_line
-from workers.work import Work
+from workers.messages.progress import Activity, Progress, Resumption
+from workers.messages.random_return import RandomReturn
+from workers.messages.report import Busy, Ended, News, Ready, Report, from_line, to_line
+from workers.messages.work import Work
 
 POINTS = 50
 """Measurements of a run, one a second."""

@@ -17,12 +17,12 @@ from pydantic import ValidationError
 from sqlalchemy import make_url, text
 from sqlalchemy.exc import SQLAlchemyError
 
+from service.api.schemas.readiness_answer import ReadinessAnswer
 from service.client import Client, ServiceError
-from service.schemas.readiness_answer import ReadinessAnswer
 from service.settings import Settings
 from service.store.connection import check_sqlite, connect
 from service.store.refusal import MissingDriverError, UnsafeSQLiteError
-from workers.place import Place, folder_in
+from workers.checkpoints.place import Place, folder_in
 
 Verdict = Literal["ok", "warning", "failed"]
 

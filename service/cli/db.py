@@ -15,8 +15,6 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from service.data_dir import DataDirInUseError, owned
 from service.settings import Settings
-from service.store import backup as backups
-from service.store import integrity, migration
 from service.store.connection import Role, connect
 from service.store.refusal import (
     DatabaseInUseError,
@@ -25,7 +23,9 @@ from service.store.refusal import (
     TransferError,
     UnsafeSQLiteError,
 )
-from service.store.transfer import transfer
+from service.store.upkeep import backup as backups
+from service.store.upkeep import integrity, migration
+from service.store.upkeep.transfer import transfer
 
 app = typer.Typer(
     name="db",

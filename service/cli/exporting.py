@@ -13,11 +13,11 @@ from typing import Annotated, Any
 
 import typer
 
+from service.analysis.figures.figure_form import MEDIA_TYPES
+from service.api.schemas.run_answer import RunAnswer
+from service.api.schemas.score_table_answer import StandingAnswer, inert
 from service.cli.terminal import AsJson, Identifier, SweepId, print_json, print_table, say
 from service.client import Client, is_run
-from service.figures.figure_form import MEDIA_TYPES
-from service.schemas.run_answer import RunAnswer
-from service.schemas.score_table_answer import StandingAnswer, inert
 
 SPEC_COLUMNS = ("run", "label", "algorithm", "environment", "w1", "w2", "config", "seed")
 

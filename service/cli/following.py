@@ -10,11 +10,11 @@ from rich.console import Console, Group
 from rich.live import Live
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 
+from service.api.schemas.curves_answer import CurveAnswer
+from service.api.schemas.run_answer import RunAnswer
+from service.api.schemas.sweep_answer import SweepAnswer
 from service.cli.terminal import AsJson, SweepId, console, plain, print_table, say, table_of
 from service.client import Client
-from service.schemas.curves_answer import CurveAnswer
-from service.schemas.run_answer import RunAnswer
-from service.schemas.sweep_answer import SweepAnswer
 
 MAX_NAME = 24
 HEADINGS = ("task", "learner", "timestep", "return_history", "n")

@@ -7,14 +7,14 @@ from typing import Annotated
 
 import typer
 
+from service.api.schemas.page import Page
+from service.api.schemas.run_answer import AttemptAnswer, ListedRunAnswer, RunAnswer
+from service.api.schemas.sweep_answer import SweepAnswer
 from service.cli.following import counts_text, eta_text
 from service.cli.terminal import AsJson, Identifier, print_json, print_table, say
 from service.client import Client, is_run
-from service.entry import setting_text
-from service.run import RunStatus
-from service.schemas.page import Page
-from service.schemas.run_answer import AttemptAnswer, ListedRunAnswer, RunAnswer
-from service.schemas.sweep_answer import SweepAnswer
+from service.model.entry import setting_text
+from service.model.run import RunStatus
 
 LOG_LINES = 20
 

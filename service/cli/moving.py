@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from service.api.schemas.sweep_answer import SweepAnswer
 from service.cli.following import counts_text
 from service.cli.terminal import AsJson, Identifier, print_json, say
 from service.client import Client, Move
-from service.schemas.sweep_answer import SweepAnswer
 
 
 def cancel(identifier: Identifier, as_json: AsJson = False) -> None:

@@ -13,6 +13,7 @@ from typing import Annotated, Any
 
 import typer
 
+from service.api.schemas.sweep_answer import SweepAnswer
 from service.cli.following import follow
 from service.cli.own_service import data_dir, own_service
 from service.cli.terminal import console, say
@@ -20,7 +21,6 @@ from service.client import Client, ServiceError
 from service.paper import results, tuning
 from service.paper.evaluation import SEEDS, evaluation
 from service.paper.tuning import Outcome
-from service.schemas.sweep_answer import SweepAnswer
 
 app = typer.Typer(name="paper")
 

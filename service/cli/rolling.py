@@ -10,9 +10,9 @@ import typer
 from PIL import Image
 
 from physics.drawing import Capsule, Drawing, Polygon
+from service.api.schemas.rollout_answer import RolloutAnswer
 from service.cli.terminal import AsJson, print_json, say
 from service.client import Client
-from service.schemas.rollout_answer import RolloutAnswer
 
 FRAME_SECONDS = 0.04  # browsers slow faster GIFs down
 

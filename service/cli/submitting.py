@@ -11,11 +11,11 @@ from typing import Annotated, Any
 import typer
 import yaml
 
+from service.api.schemas.sweep_answer import CellAnswer, CostAnswer, DryRunAnswer
 from service.cli.following import follow
 from service.cli.terminal import AsJson, console, print_json, print_table, say
 from service.client import Client, SubmissionNotice
-from service.entry import setting_text
-from service.schemas.sweep_answer import CellAnswer, CostAnswer, DryRunAnswer
+from service.model.entry import setting_text
 
 Json = dict[str, Any]
 

@@ -9,10 +9,10 @@ from rich.progress import track
 
 import algorithms
 from algorithms.threads import one_thread
+from service.api.schemas.run_answer import RunAnswer
 from service.cli.terminal import console, say
 from service.client import Client
-from service.schemas.run_answer import RunAnswer
-from workers.fingerprint import fingerprint
+from workers.training.fingerprint import fingerprint
 
 Curve = list[tuple[int, float]]
 

@@ -18,9 +18,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from service.curves import Floats
-from service.statistics.paired_difference import BASELINES, area_gained
-from service.statistics.stratified_bootstrap import Estimate, draw_counts, estimate
+from service.analysis.curves import Floats
+from service.analysis.statistics.paired_difference import BASELINES, area_gained
+from service.analysis.statistics.stratified_bootstrap import Estimate, draw_counts, estimate
 
 Columns = Mapping[str, Floats]
 

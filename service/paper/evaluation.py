@@ -7,7 +7,7 @@ choosing them (service.paper.tuning).
 from collections.abc import Mapping
 from typing import Any
 
-from service.figures.paper_figure import Number
+from service.analysis.figures.paper_figure import Number
 from service.paper.tuning import SOFT_TASKS
 
 SEEDS = 16

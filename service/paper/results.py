@@ -24,16 +24,16 @@ from typing import Any, Literal
 
 import numpy as np
 
+from service.analysis.figures.figure_form import Form
+from service.api.schemas.curves_answer import RandomReturnAnswer
+from service.api.schemas.run_answer import RunAnswer
+from service.api.schemas.sweep_answer import SweepAnswer
 from service.client import Client, ServiceError
-from service.environment import best_return
-from service.figures.figure_form import Form
+from service.model.environment import best_return
+from service.model.run import RunStatus
 from service.paper.differences import Gain, MeasuredRun, gains
 from service.paper.evaluation import FIGURES
 from service.paper.score_files import Row, write_random_returns, write_scores
-from service.run import RunStatus
-from service.schemas.curves_answer import RandomReturnAnswer
-from service.schemas.run_answer import RunAnswer
-from service.schemas.sweep_answer import SweepAnswer
 
 FORMS: tuple[Form, ...] = ("svg", "png")
 TABLES: Mapping[Literal["csv", "markdown"], str] = {

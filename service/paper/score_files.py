@@ -15,10 +15,10 @@ from pathlib import Path
 
 import numpy as np
 
-from service.environment import best_return
-from service.schemas.curves_answer import RandomReturnAnswer
-from service.schemas.run_answer import RunAnswer
-from service.statistics.score import SCORES
+from service.analysis.statistics.score import SCORES
+from service.api.schemas.curves_answer import RandomReturnAnswer
+from service.api.schemas.run_answer import RunAnswer
+from service.model.environment import best_return
 
 Row = Mapping[str, str]
 

@@ -22,8 +22,8 @@ from typing import Any
 
 import numpy as np
 
-from service.schemas.curves_answer import CurveAnswer, CurvesAnswer
-from service.statistics.score import final_score
+from service.analysis.statistics.score import final_score
+from service.api.schemas.curves_answer import CurveAnswer, CurvesAnswer
 
 SEEDS = [100, 101, 102, 103]
 

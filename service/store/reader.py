@@ -5,7 +5,7 @@ from typing import TypeVar
 
 from sqlalchemy import Connection, Engine
 
-from service.store.outage import outlasting
+from service.store.upkeep.outage import outlasting
 
 Result = TypeVar("Result")
 

@@ -9,15 +9,16 @@ from typing import Any
 
 from sqlalchemy import Connection, Row, update
 
-from service.claim import Claim
-from service.run import RunStatus
-from service.store import checkpoints, endings, events, random_returns
-from service.store import measurements as points
-from service.store.claims import held_runs
+from service.model.claim import Claim
+from service.model.run import RunStatus
+from service.store.claiming import checkpoints, endings
+from service.store.claiming.claims import held_runs
+from service.store.claiming.endings import Ending
 from service.store.column_types import now
-from service.store.endings import Ending
+from service.store.reading import events, random_returns
+from service.store.reading import measurements as points
 from service.store.tables import runs
-from workers.progress import Activity, Progress
+from workers.messages.progress import Activity, Progress
 
 
 @dataclass(frozen=True)

@@ -16,36 +16,25 @@ from typing import Any, Self
 from sqlalchemy import Connection, Engine, text
 
 from algorithms.measurement import Measurement
-from service.claim import CellLimit, Claim, no_limit
-from service.cost import PastCost
-from service.event import Event
+from service.analysis.cost import PastCost
 from service.metrics import MEASUREMENTS
-from service.run import Attempt, Run, RunStatus
-from service.run_curve import RunCurve
-from service.store import (
-    checkpoints,
-    claims,
-    costs,
-    endings,
-    events,
-    measurements,
-    random_returns,
-    records,
-    run_moves,
-    runs,
-    sweep_moves,
-    sweeps,
-)
+from service.model.claim import CellLimit, Claim, no_limit
+from service.model.event import Event
+from service.model.run import Attempt, Run, RunStatus
+from service.model.run_curve import RunCurve
+from service.model.sweep import Sweep
+from service.store import records
+from service.store.claiming import checkpoints, claims, endings, run_moves, sweep_moves
+from service.store.claiming.retry import RetryPolicy
 from service.store.connection import connect
-from service.store.migration import upgrade
 from service.store.reader import Reader
-from service.store.retry import RetryPolicy
-from service.store.run_order import AS_MADE, RunOrder
+from service.store.reading import costs, events, measurements, random_returns, runs, sweeps
+from service.store.reading.run_order import AS_MADE, RunOrder
+from service.store.upkeep.migration import upgrade
 from service.store.writer import Writer
-from service.sweep import Sweep
-from workers.progress import Progress
-from workers.random_return import RandomReturn
-from workers.run_spec import COHORT_LIMIT, RunSpec
+from workers.messages.progress import Progress
+from workers.messages.random_return import RandomReturn
+from workers.messages.run_spec import COHORT_LIMIT, RunSpec
 
 
 class Store:

@@ -18,7 +18,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from service.metrics import WRITE_SECONDS
 from service.store import last_commit
-from service.store.outage import PATIENCE_SECONDS, outlasting
+from service.store.upkeep.outage import PATIENCE_SECONDS, outlasting
 
 Result = TypeVar("Result")
 Unit = Callable[[Connection], Any]

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 import physics
-from algorithms import network
-from algorithms.network import Shape
-from algorithms.optimizer import Learned
-from algorithms.replay import Memory
-from algorithms.scaling import Coordinates, Scaling, Statistics, coordinates_of
-from algorithms.target_jacobian import fold
+from algorithms.experience.replay import Memory
+from algorithms.experience.target_jacobian import fold
+from algorithms.networks import network
+from algorithms.networks.network import Shape
+from algorithms.networks.optimizer import Learned
+from algorithms.networks.scaling import Coordinates, Scaling, Statistics, coordinates_of
 from physics.environment import Environment
 from physics.randomness import generator
 
@@ -66,7 +66,7 @@ def not_small(shape: Shape, random: np.random.Generator) -> NDArray[np.float32]:
 
 
 class Plain:
-    """A network of algorithms.network."""
+    """A network of algorithms.networks.network."""
 
     def __init__(self, theta: NDArray[np.float32], shape: Shape) -> None:
         self.theta = torch.tensor(theta, dtype=torch.float64, requires_grad=True)

@@ -2,8 +2,8 @@
 
 from collections.abc import Callable
 
-from algorithms import ilqr_episode
-from algorithms.ilqr_episode import Episodes
+from algorithms.planning import episodes as ilqr_episode
+from algorithms.planning.episodes import Episodes
 from physics.environment import Environment, FloatArray
 
 

@@ -11,12 +11,13 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import algorithms
-from algorithms import catalogue, finite
+from algorithms import catalogue
 from algorithms.early_end import DivergedError, Divergence, EarlyEnd, FailedRunsError, Failure
 from algorithms.learner import Learner
 from algorithms.measurement import Measurement
-from physics.compiled import compiled_fast
+from algorithms.networks import finite
 from physics.environment import Environment, FloatArray
+from physics.kernels.compiled import compiled_fast
 from tests.algorithms.other_rewards import OtherRewards
 
 Events = list[Measurement | EarlyEnd]

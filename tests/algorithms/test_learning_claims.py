@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from scipy.stats import bootstrap
 
 import algorithms
-from service.environment import best_return
-from workers.random_play import measure_random_return
+from service.model.environment import best_return
+from workers.training.random_play import measure_random_return
 
 SEEDS = range(16)
 

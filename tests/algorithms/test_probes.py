@@ -8,8 +8,8 @@ import pytest
 from numpy.typing import NDArray
 
 from algorithms import catalogue
+from algorithms.experience.rollout import start_states
 from algorithms.measurement import Measurement
-from algorithms.rollout import start_states
 from physics.environment import FloatArray
 from tests.algorithms.probes import Bandit, Integrator, Postponed, Probe
 

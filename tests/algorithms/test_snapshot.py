@@ -5,9 +5,9 @@ import pytest
 
 import algorithms
 import physics
+from algorithms.actor_critic.learner import OffPolicyLearner
 from algorithms.learner import Learner
-from algorithms.off_policy import OffPolicyLearner
-from algorithms.policy import Policies
+from algorithms.networks.policy import Policies
 from algorithms.snapshot import Snapshot, snapshot_of
 
 

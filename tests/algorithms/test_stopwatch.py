@@ -11,10 +11,10 @@ import numba
 import pytest
 
 import algorithms
-from algorithms.evaluation import episode_returns
+from algorithms.actor_critic.learner import OffPolicyLearner
+from algorithms.experience.evaluation import episode_returns
 from algorithms.learner import Learner
 from algorithms.measurement import Measurement
-from algorithms.off_policy import OffPolicyLearner
 from algorithms.stopwatch import Cost, Stopwatch
 
 LEARNERS = ["ddpg", "hybrid-ddpg", "hybrid-ddpg-cosine", "sac", "hybrid-sac", "gd", "mpc"]
@@ -145,7 +145,7 @@ def test_evaluation_and_diagnostics_are_not_training(monkeypatch: pytest.MonkeyP
     learner = algorithms.build("ddpg", "CartPole", [0], timesteps=1_600)
     assert isinstance(learner, OffPolicyLearner)
     [usual] = next_measured(learner)
-    monkeypatch.setattr("algorithms.off_policy.episode_returns", slow_returns)
+    monkeypatch.setattr("algorithms.actor_critic.learner.episode_returns", slow_returns)
     monkeypatch.setattr(learner._agents[0], "diagnose", slow_diagnosis)
     [slowed] = next_measured(learner)
     assert slowed.seconds - usual.seconds < 1.0

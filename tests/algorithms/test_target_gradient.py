@@ -8,11 +8,11 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from algorithms import ddpg_update, sac_update
-from algorithms.network import Shape
-from algorithms.optimizer import learned
+from algorithms.actor_critic import ddpg_update, sac_update
+from algorithms.networks.network import Shape
+from algorithms.networks.optimizer import learned
+from tests.algorithms.actor_critic.test_sac_update import RATES, SCALE, networks_in, shapes_in
 from tests.algorithms.plain import GAMMA, Plain, PlainBatch, Setting, not_small, setting
-from tests.algorithms.test_sac_update import RATES, SCALE, networks_in, shapes_in
 
 ROWS, STEP = 64, 1e-5
 

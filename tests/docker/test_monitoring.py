@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from service.metrics import REGISTRY, Standing
-from service.run import RunStatus
+from service.model.run import RunStatus
 
 FOLDER = Path(__file__).parents[2] / "docker" / "monitoring"
 METRIC = re.compile(r"\bd3pg_\w+")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from tests.end_to_end.machine import Machine
 from tests.end_to_end.running_service import is_training, is_worker
-from workers.pool_environment import pool_environment
+from workers.pool.environment import pool_environment
 
 HEALTH_CHECKS = {  # a node that does not answer counts as dead after about 8 s
     "RAY_health_check_initial_delay_ms": "2000",

@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 import algorithms
+from service.api.schemas.run_answer import RunAnswer
 from service.client import Client
-from service.schemas.run_answer import RunAnswer
 from tests.end_to_end.running_service import RunningService, running_service, wait_for_end
 from tests.workers.processes import processor_seconds
 

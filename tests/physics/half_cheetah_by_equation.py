@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from physics.environment import FloatArray
-from physics.half_cheetah import HalfCheetah
+from physics.tasks.half_cheetah import HalfCheetah
 
 H, MU, RADIUS = 0.01, 0.4, 0.046
 DAMPING = np.diag([0, 0, 0, 6, 4.5, 4.5, 3])

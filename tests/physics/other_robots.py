@@ -11,18 +11,18 @@ from typing import Any
 
 import numpy as np
 
-from physics.body import Body, load_action, load_state, unload
-from physics.contact_derivative import (
+from physics.environment import FloatArray
+from physics.record import dtype
+from physics.robots.body import Body, load_action, load_state, unload
+from physics.robots.description import Capsule, Joint, Link, Robot, build, sizes
+from physics.robots.residual import residual
+from physics.robots.substep import advance, solve_substep
+from physics.robots.substep_derivative import (
     Tangent,
     differentiate_substep,
     load_tangent,
     unload_tangent,
 )
-from physics.environment import FloatArray
-from physics.record import dtype
-from physics.residual import residual
-from physics.robot import Capsule, Joint, Link, Robot, build, sizes
-from physics.time_stepping import advance, solve_substep
 
 H = 0.01
 BALL = Robot(

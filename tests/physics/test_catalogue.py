@@ -29,9 +29,12 @@ def test_an_unknown_name_is_answered_with_the_nearest() -> None:
             "no_such_module:Task",
             r"Mine \(no_such_module:Task\) cannot be made: ModuleNotFoundError",
         ),
-        ("physics.pendulum:Nothing", r"Mine .* cannot be made: AttributeError"),
+        ("physics.tasks.pendulum:Nothing", r"Mine .* cannot be made: AttributeError"),
         ("physics.environment:Environment", r"Mine .* cannot be made: TypeError: .*abstract"),
-        ("physics.pendulum:Pendulum", r"makes <.*Pendulum object.*>, which is no task of its name"),
+        (
+            "physics.tasks.pendulum:Pendulum",
+            r"makes <.*Pendulum object.*>, which is no task of its name",
+        ),
         ("builtins:dict", r"entry point 'Mine' makes {}, which is no task of its name"),
     ],
 )

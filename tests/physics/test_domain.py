@@ -8,7 +8,7 @@ import pytest
 import torch
 
 import physics
-from physics.differences import differences, relative_errors
+from physics.audit.differences import differences, relative_errors
 from physics.environment import DomainError, Environment, FloatArray
 
 OUTSIDE = [

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import physics
-from physics.differences import differences, relative_errors
+from physics.audit.differences import differences, relative_errors
 from physics.randomness import generator
 
 COUNT = 1500

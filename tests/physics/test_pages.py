@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import physics
-from physics.audit_record import as_table, read_record
+from physics.audit.record import as_table, read_record
 from physics.catalogue import OWN
 
 DOCS = Path(__file__).parents[2] / "docs"

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import torch
 
-from physics.differences import differences, relative_errors
+from physics.audit.differences import differences, relative_errors
 from physics.randomness import generator
 from tests.physics.small_tasks import Plain
 

@@ -9,12 +9,12 @@ from dataclasses import dataclass, field
 
 from algorithms.early_end import Divergence
 from algorithms.measurement import Measurement
-from workers.pool import PoolUnavailableError
-from workers.progress import Progress
-from workers.random_return import RandomReturn
-from workers.report import Busy, Ended, Failed, Lost, News, Ready, Report
-from workers.run_spec import RunSpec
-from workers.work import Work
+from workers.messages.progress import Progress
+from workers.messages.random_return import RandomReturn
+from workers.messages.report import Busy, Ended, Failed, Lost, News, Ready, Report
+from workers.messages.run_spec import RunSpec
+from workers.messages.work import Work
+from workers.pool.pool import PoolUnavailableError
 
 CYCLE = 800
 

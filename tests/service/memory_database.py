@@ -6,7 +6,7 @@ import pysqlite3.dbapi2
 from sqlalchemy import Connection, Engine, create_engine, event
 from sqlalchemy.pool import StaticPool
 
-from service.store.migration import upgrade
+from service.store.upkeep.migration import upgrade
 
 
 def in_memory(clock: Callable[[], float]) -> Engine:

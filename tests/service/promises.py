@@ -11,8 +11,8 @@ from typing import Any
 
 from sqlalchemy import Engine
 
-from service.claim import Claim
-from service.run import FINAL, RunStatus
+from service.model.claim import Claim
+from service.model.run import FINAL, RunStatus
 from service.store.store import Store
 from tests.service.fake_pool import CYCLE, measurement_of
 

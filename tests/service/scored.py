@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from service.entry import Entries
-from service.run import RunStatus
-from service.run_curve import RunCurve
-from service.statistics.scores import CellScores
-from workers.run_spec import RunSpec
+from service.analysis.statistics.scores import CellScores
+from service.model.entry import Entries
+from service.model.run import RunStatus
+from service.model.run_curve import RunCurve
+from workers.messages.run_spec import RunSpec
 
 
 class ByAlgorithm(Entries):

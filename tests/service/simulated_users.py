@@ -3,10 +3,10 @@
 import random
 from collections.abc import Callable
 
-from service.run import FINAL, RunStatus
+from service.model.run import FINAL, RunStatus
 from service.store.refusal import ImpossibleMoveError, NotFoundError
 from tests.service.promises import Model, Promises, sweep_of
-from workers.run_spec import RunSpec
+from workers.messages.run_spec import RunSpec
 
 MOST_ACTIVE = 12
 

@@ -12,10 +12,9 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from service.batch import next_together
-from service.run import FINAL
-from service.scheduler import DispatchTimes, State, step
-from service.scheduler_messages import (
+from service.model.run import FINAL
+from service.queue.batch import next_together
+from service.queue.messages import (
     AskCancelling,
     AskWaiting,
     Cancelling,
@@ -38,14 +37,25 @@ from service.scheduler_messages import (
     Train,
     Waiting,
 )
-from service.store.retry import RetryPolicy
+from service.queue.scheduler import DispatchTimes, State, step
+from service.store.claiming.retry import RetryPolicy
 from service.store.store import Store
 from tests.service.fake_pool import CYCLE, FakeWorker
 from tests.service.memory_database import in_memory
 from tests.service.promises import Promises
 from tests.service.simulated_users import SimulatedUsers
-from workers.progress import Progress
-from workers.report import Busy, Capacity, Ended, Failed, Lost, News, Ready, Report, Retired
+from workers.messages.progress import Progress
+from workers.messages.report import (
+    Busy,
+    Capacity,
+    Ended,
+    Failed,
+    Lost,
+    News,
+    Ready,
+    Report,
+    Retired,
+)
 
 WORKERS = 3
 TIMESTEPS = 4 * CYCLE
@@ -244,7 +254,7 @@ class Simulation:
                 return set()
 
     def do(self, together: Sequence[Command]) -> list[Event]:
-        """Do what `service/dispatch.py` does."""
+        """Do what `service/queue/dispatch.py` does."""
         records = [command for command in together if isinstance(command, Record)]
         if records:
             said = [(record.claim, record.news.progress) for record in records]

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from fastapi import FastAPI
 
+from service.api.schemas.sweep_request import SweepRequest
 from service.client import Client, ServiceError, SubmissionNotice
-from service.schemas.sweep_request import SweepRequest
 from service.store.store import Store
 from tests.service.conftest import SWEEP, TOKEN, changed
 from tests.service.served import served

@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 
 from service.cli.app import app as commands
 from service.store.store import Store
-from service.store.trouble import FULL
+from service.store.upkeep.trouble import FULL
 from tests.service.conftest import SWEEP, TOKEN
 from tests.service.served import served
 

@@ -7,15 +7,15 @@ from pathlib import Path
 import pytest
 from pydantic import SecretStr
 
-from service.app import create_app
-from service.dispatch import Dispatcher
+from service.api.app import create_app
+from service.queue.dispatch import Dispatcher
 from service.settings import Settings
-from service.store.outage import PATIENCE_SECONDS
 from service.store.store import Store
+from service.store.upkeep.outage import PATIENCE_SECONDS
 from tests.service.conftest import TOKEN, client_of
 from tests.service.fake_pool import CYCLE, FakePool, measurement_of
 from tests.service.store.postgresql import running_postgresql
-from workers.run_spec import RunSpec
+from workers.messages.run_spec import RunSpec
 
 pytestmark = pytest.mark.slow
 

@@ -28,7 +28,7 @@ from schemathesis.specs.openapi.checks import (
 )
 from starlette.testclient import TestClient
 
-from service.app import PREFIX
+from service.api.app import PREFIX
 from service.store.store import Store
 from tests.service.conftest import BASE_URL, SWEEP, TOKEN
 from tests.service.training import RANDOM, random_return, rising, train

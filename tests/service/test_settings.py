@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
+from service.queue.worker_memory import PROCESS_BYTES, usual_worker_memory
 from service.settings import Settings
-from service.worker_memory import PROCESS_BYTES, usual_worker_memory
 
 
 def test_defaults_bind_loopback(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,9 +4,9 @@ from collections.abc import Callable
 
 from algorithms.measurement import Measurement
 from service.store.store import Store
-from workers.progress import Progress
-from workers.random_return import RandomReturn
-from workers.run_spec import RunSpec
+from workers.messages.progress import Progress
+from workers.messages.random_return import RandomReturn
+from workers.messages.run_spec import RunSpec
 
 EVERY = 800
 RANDOM = -1200.0

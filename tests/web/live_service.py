@@ -21,16 +21,16 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 
 from algorithms.early_end import Divergence
 from algorithms.measurement import Measurement
-from service.access_token import signin_link
-from service.app import create_app
-from service.claim import Claim
-from service.environment import environment_facts
+from service.api.access_token import signin_link
+from service.api.app import create_app
+from service.model.claim import Claim
+from service.model.environment import environment_facts
+from service.model.sweep import Sweep
 from service.settings import Settings
 from service.store.store import Store
-from service.sweep import Sweep
-from workers.progress import Progress
-from workers.random_return import RandomReturn
-from workers.run_spec import RunSpec
+from workers.messages.progress import Progress
+from workers.messages.random_return import RandomReturn
+from workers.messages.run_spec import RunSpec
 
 Floats = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ from playwright.sync_api import Page, Route
 
 import physics
 from physics.film import film
-from workers.critic_surface import best_values
+from workers.policies.critic_surface import best_values
 
 
 def episode(environment: str, steps: int = 120) -> dict[str, Any]:

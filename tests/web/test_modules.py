@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page
 
-from service.figures.palette import BLUE, COLOURS, colour
+from service.analysis.figures.palette import BLUE, COLOURS, colour
 
 pytestmark = pytest.mark.browser
 

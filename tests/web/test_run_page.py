@@ -5,7 +5,7 @@ import re
 import pytest
 from playwright.sync_api import Page, expect
 
-from service.sweep import Sweep
+from service.model.sweep import Sweep
 from tests.web.live_service import LiveService
 from tests.web.test_accessibility import violations
 from tests.web.test_sweep_page import state

@@ -9,7 +9,7 @@ from urllib.parse import parse_qs, urlsplit
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-from service.sweep import Sweep
+from service.model.sweep import Sweep
 from tests.web.live_service import LiveService
 
 pytestmark = pytest.mark.browser

@@ -5,7 +5,7 @@ from collections.abc import Collection
 from dataclasses import dataclass, field
 from typing import Any
 
-from workers.placement import Node
+from workers.driver.placement import Node
 
 
 @dataclass

@@ -9,7 +9,7 @@ from algorithms.early_end import Divergence, EarlyEnd
 from algorithms.measurement import Measurement
 from algorithms.snapshot import Snapshot
 from algorithms.state import Saved, State
-from workers.run_spec import RunSpec
+from workers.messages.run_spec import RunSpec
 
 CYCLE = 100
 

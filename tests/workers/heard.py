@@ -5,12 +5,12 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
-from workers.assignment import Assignment
-from workers.pool import PoolUnavailableError
-from workers.pool_process import PoolProcess, PoolSettings
-from workers.report import News, Ready, Report
-from workers.run_spec import RunSpec
-from workers.work import Work
+from workers.messages.assignment import Assignment
+from workers.messages.report import News, Ready, Report
+from workers.messages.run_spec import RunSpec
+from workers.messages.work import Work
+from workers.pool.pool import PoolUnavailableError
+from workers.pool.process import PoolProcess, PoolSettings
 
 ENDLESS = [RunSpec("ddpg", "Pendulum", seed, timesteps=10**8) for seed in range(2)]
 PATIENCE_SECONDS = 240.0  # kernels may have to be compiled first

@@ -20,11 +20,11 @@ from pathlib import Path
 from algorithms.early_end import Divergence
 from algorithms.learner import Learner
 from algorithms.state import State
-from workers import cadence
-from workers.assignment import Assignment
-from workers.execute import build_learner, execute
-from workers.place import Place
-from workers.run_spec import RunSpec
+from workers.checkpoints.place import Place
+from workers.messages.assignment import Assignment
+from workers.messages.run_spec import RunSpec
+from workers.training import cadence
+from workers.training.execute import build_learner, execute
 
 REDRAWN = 3
 """Trials are drawn so often, until enough of them were killed alive, twice."""

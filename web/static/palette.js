@@ -1,6 +1,6 @@
 /**
  * Colours belong to algorithms, not to order: the palette of Okabe and Ito (2008), told apart by
- * colour-blind eyes, each bound to one algorithm for good. `service/figures/palette.py` has the same map
+ * colour-blind eyes, each bound to one algorithm for good. `service/analysis/figures/palette.py` has the same map
  * for the figures in files. Curves of one colour differ by their dashes.
  */
 

@@ -11,7 +11,7 @@ from service.data_dir import owned
 from service.store.connection import connect
 from service.store.store import Store
 from tests.service.store.postgresql import running_postgresql
-from workers.run_spec import RunSpec
+from workers.messages.run_spec import RunSpec
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from service.store.store import Store
 from tests.service.cli.conftest import Command, as_json
 from tests.service.conftest import SWEEP, changed
 from tests.service.training import RANDOM, measured, random_return, rising, train
-from workers.progress import Progress
+from workers.messages.progress import Progress
 
 
 @pytest.fixture

@@ -7,11 +7,11 @@ from typing import Any
 import pytest
 from rich.console import Console
 
+from service.api.schemas.curves_answer import CurvesAnswer
+from service.api.schemas.sweep_answer import SweepAnswer
 from service.cli.following import changes, counts_text, eta_text, follow, standings
 from service.cli.terminal import table_of
 from service.client import Client
-from service.schemas.curves_answer import CurvesAnswer
-from service.schemas.sweep_answer import SweepAnswer
 from service.store.store import Store
 from tests.service.conftest import SWEEP
 from tests.service.training import rising, train

@@ -5,7 +5,7 @@ from service.store.store import Store
 from tests.service.cli.conftest import Command, as_json
 from tests.service.conftest import SWEEP, changed
 from tests.service.training import rising, train
-from workers.progress import Progress, Resumption
+from workers.messages.progress import Progress, Resumption
 
 
 def test_sweeps_are_lines_newest_first(d3pg: Command, service: Client) -> None:

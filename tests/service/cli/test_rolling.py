@@ -9,7 +9,7 @@ from service.client import Client, ServiceError
 from service.settings import Settings
 from tests.service.cli.conftest import Command, as_json
 from tests.service.conftest import changed
-from tests.workers.test_rollout import write_policy
+from tests.workers.policies.test_rollout import write_policy
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ from service.client import Client
 from service.store.store import Store
 from tests.service.cli.conftest import Command
 from tests.service.training import rising, train
-from workers.progress import Progress
+from workers.messages.progress import Progress
 
 SWEEP = {
     "algorithms": [{"name": "ddpg"}],

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 import scipy.stats
 
+from service.analysis.statistics.stratified_bootstrap import draw_counts
 from service.paper.evaluation import TASKS
-from service.statistics.stratified_bootstrap import draw_counts
+from tests.service.analysis.statistics import rliable
 from tests.service.paper import published
 from tests.service.paper.published import Cell, Floats, measurements, runs, scales
-from tests.service.statistics import rliable
-from workers.random_play import measure_random_return
+from workers.training.random_play import measure_random_return
 
 BASELINES = {"hybrid-ddpg": "ddpg", "hybrid-ddpg-cosine": "ddpg", "hybrid-sac": "sac"}
 STATISTICS = published.document("statistics.json")

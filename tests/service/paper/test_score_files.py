@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
+from service.api.schemas.curves_answer import RandomReturnAnswer
+from service.api.schemas.run_answer import RunAnswer, WeightsAnswer
+from service.model.run import RunStatus
 from service.paper.score_files import write_random_returns, write_scores
-from service.run import RunStatus
-from service.schemas.curves_answer import RandomReturnAnswer
-from service.schemas.run_answer import RunAnswer, WeightsAnswer
 
 
 def run(seed: int, status: RunStatus = RunStatus.SUCCEEDED) -> RunAnswer:

@@ -7,15 +7,15 @@ from typing import Any
 import pytest
 
 from algorithms.presets import preset
+from service.api.schemas.curves_answer import CurveAnswer, CurvesAnswer, PanelAnswer
+from service.api.schemas.run_answer import WeightsAnswer
+from service.api.schemas.sweep_request import SweepRequest
+from service.api.submission.plan import plan as plan_in
 from service.cli.paper import read_tuning
+from service.model.plan import Plan
 from service.paper import tuning
 from service.paper.evaluation import COMPARISON, SEEDS, evaluation
 from service.paper.tuning import Outcome, best
-from service.schemas.curves_answer import CurveAnswer, CurvesAnswer, PanelAnswer
-from service.schemas.run_answer import WeightsAnswer
-from service.schemas.sweep_request import SweepRequest
-from service.submission.plan import Plan
-from service.submission.plan import plan as plan_in
 
 WORKER_MEMORY = 16 * 2**30
 RESULTS = Path(__file__).parents[3] / "results"

@@ -7,12 +7,12 @@ from pathlib import Path
 import pytest
 
 from algorithms.measurement import Measurement
-from service.store.retry import RetryPolicy
+from service.model.sweep import Sweep
+from service.store.claiming.retry import RetryPolicy
 from service.store.store import Store
 from service.store.tables import metadata
-from service.sweep import Sweep
 from tests.service.store.postgresql import PostgreSQL, running_postgresql
-from workers.run_spec import RunSpec
+from workers.messages.run_spec import RunSpec
 
 BACKENDS = ("sqlite", "postgresql")
 AT_ONCE = RetryPolicy(losses=3, first_wait_seconds=0.0)

@@ -9,7 +9,7 @@ import sys
 from sqlalchemy.exc import SQLAlchemyError
 
 from service.store.store import Store
-from workers.run_spec import RunSpec
+from workers.messages.run_spec import RunSpec
 
 
 def submit(store: Store, key: str, runs: int) -> str:

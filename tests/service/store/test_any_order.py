@@ -23,13 +23,13 @@ from hypothesis.stateful import (
 )
 
 from algorithms.early_end import Divergence
-from service.claim import Claim
-from service.run import ACTIVE, RunStatus
+from service.model.claim import Claim
+from service.model.run import ACTIVE, RunStatus
 from service.store.refusal import ImpossibleMoveError
 from service.store.store import Store
 from tests.service.store.conftest import AT_ONCE, Fresh, measured
-from workers.progress import Progress
-from workers.run_spec import RunSpec
+from workers.messages.progress import Progress
+from workers.messages.run_spec import RunSpec
 
 TIMESTEPS = 8000
 OVER = -1.0

@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 
 from service.store.connection import connect
-from service.store.integrity import check
 from service.store.store import Store
+from service.store.upkeep.integrity import check
 from tests.service.store.conftest import Fresh
 from tests.service.store.submitting import submit
 

@@ -15,8 +15,8 @@ import pytest
 
 from service.store.store import Store
 from tests.service.store.conftest import Fresh, measured
-from workers.progress import Progress
-from workers.run_spec import RunSpec
+from workers.messages.progress import Progress
+from workers.messages.run_spec import RunSpec
 
 SECONDS = 120.0
 SUBMITTERS, READERS, WORKERS = 16, 50, 2

@@ -1,0 +1,1 @@
+"""Actor-critic learners with a replay: DDPG, SAC and their hybrids."""

@@ -1,0 +1,224 @@
+"""The compiled heart of DDPG and its hybrid: a cycle of updates of one run.
+
+Each update: draw a batch; the critic's target, and its gradient if w1 or w2 is not 0; one Adam step
+of the critic down its losses (algorithms.matching.losses, plus weight decay of its hidden
+products); one of the actor up the critic,
+
+    d(actor)/dtheta = 1/B sum dQ/da|a=pi(s) dpi(s)/dtheta
+
+both gradients taken at the parameters before the update; both targets follow.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from algorithms.experience import replay
+from algorithms.experience.replay import Batch, Memory
+from algorithms.matching import bellman, critic, losses
+from algorithms.matching.critic import CriticWork
+from algorithms.matching.losses import Matching
+from algorithms.networks import actor, finite, network, optimizer
+from algorithms.networks.layer import Array
+from algorithms.networks.network import Parameters, Pass, Shape
+from algorithms.networks.optimizer import Learned
+from algorithms.networks.scaling import Coordinates, Scaling
+from physics.kernels.compiled import compiled_fast
+
+QUANTITIES = (
+    "critic loss",
+    "gradient loss",
+    "critic gradient",
+    "actor gradient",
+    "critic parameters",
+    "actor parameters",
+)
+"""What an update looks at, in this order, to see whether the run diverges."""
+
+
+class Rates(NamedTuple):
+    """The numbers of the update rule."""
+
+    gamma: np.float32
+    tau: np.float32
+    actor_rate: float
+    critic_rate: float
+    critic_decay: np.float32
+
+
+class Work(NamedTuple):
+    """Arrays that an update writes over."""
+
+    batch: Batch
+    actor: Pass
+    actions: Array
+    """[B, m]"""
+    actor_gradient: Array
+    """[P]"""
+    fit: CriticWork
+
+
+class Report(NamedTuple):
+    """What each of U updates saw, [U]."""
+
+    critic_loss: Array
+    gradient_loss: Array
+    q_mean: Array
+    """Mean of the critic's Q over the batch, in the task's units."""
+    critic_gradient_norm: Array
+    actor_gradient_norm: Array
+    target_mean: NDArray[np.float64]
+    """Mean of the normalised targets."""
+    target_square: NDArray[np.float64]
+    """Mean of their squares."""
+
+
+def empty_report(updates: int) -> Report:
+    """Room for the report of `updates` updates."""
+    single, double = np.zeros((5, updates), np.float32), np.zeros((2, updates))
+    return Report(single[0], single[1], single[2], single[3], single[4], double[0], double[1])
+
+
+@compiled_fast
+def new_work(
+    memory: Memory, learned_actor: Learned, learned_critic: Learned, rows: int, shapes: Any
+) -> Work:
+    """Arrays for updates of `rows` transitions each."""
+    actor_shape, critic_shape = shapes
+    columns = memory.reward_gradients.shape[1]
+    return Work(
+        replay.new_batch(memory, rows),
+        network.new_pass(learned_actor.theta, rows, actor_shape),
+        np.empty((rows, actor_shape.outputs), learned_actor.theta.dtype),
+        np.empty_like(learned_actor.theta),
+        critic.new_critic_work(learned_critic.theta, rows, critic_shape, columns),
+    )
+
+
+@compiled_fast
+def update(
+    learned_actor: Learned,
+    learned_critic: Learned,
+    done: int,
+    memory: Memory,
+    indices: NDArray[np.int64],
+    coordinates: Coordinates,
+    scaling: Scaling,
+    rates: Rates,
+    matching: Matching,
+    shapes: tuple[Shape, Shape],
+    report: Report,
+) -> tuple[int, int]:
+    """Update on the batches `indices [U, B]`, `done` updates having been done before.
+
+    Returns:
+        How many of the U updates were done, and -1; or, at an update that met a number that is not
+        finite, how many were done before it, and the number's index in `QUANTITIES`.
+    """
+    actor_shape, critic_shape = shapes
+    work = new_work(memory, learned_actor, learned_critic, indices.shape[1], shapes)
+    pi = network.parameters(learned_actor.theta, actor_shape)
+    q = network.parameters(learned_critic.theta, critic_shape)
+    pi_target = network.parameters(learned_actor.target, actor_shape)
+    q_target = network.parameters(learned_critic.target, critic_shape)
+    pi_gradient = network.parameters(work.actor_gradient, actor_shape)
+    q_gradient = network.parameters(work.fit.theta_gradient, critic_shape)
+    fit, decayed = work.fit, network.decayed_size(critic_shape)
+    for u in range(indices.shape[0]):
+        replay.draw(memory, indices[u], scaling, work.batch)
+        bellman.target_value(
+            pi_target, q_target, work.batch, rates.gamma, scaling,
+            work.actor, fit.critic, work.actions, fit.value,
+        )  # fmt: skip
+        if losses.is_matched(matching):
+            replay.draw_derivatives(memory, indices[u], coordinates, scaling, work.batch)
+            bellman.target_gradient(
+                pi_target, q_target, work.batch, rates.gamma,
+                work.actor, fit.critic, work.actions, fit.target,
+            )  # fmt: skip
+            report.critic_loss[u], report.gradient_loss[u] = critic.matched_fit(
+                q, work.batch, coordinates, matching, fit, q_gradient
+            )
+        else:
+            report.critic_loss[u] = critic.value_fit(q, work.batch, fit, q_gradient)
+        describe(work, scaling, report, u)
+        actor_gradient(pi, q, work, pi_gradient)
+        optimizer.decay(learned_critic.theta, decayed, rates.critic_decay, fit.theta_gradient)
+        step = optimizer.corrected(rates.critic_rate, done + u + 1)
+        critic_norm, critic_size = optimizer.adam(learned_critic, fit.theta_gradient, step)
+        step = optimizer.corrected(rates.actor_rate, done + u + 1)
+        actor_norm, actor_size = optimizer.adam(learned_actor, work.actor_gradient, step)
+        optimizer.follow(learned_critic, rates.tau)
+        optimizer.follow(learned_actor, rates.tau)
+        report.critic_gradient_norm[u] = np.sqrt(critic_norm)
+        report.actor_gradient_norm[u] = np.sqrt(actor_norm)
+        lost = finite.first_not_finite((
+            report.critic_loss[u], report.gradient_loss[u],
+            critic_norm, actor_norm, critic_size, actor_size,
+        ))  # fmt: skip
+        if lost >= 0:
+            return u, lost
+    return int(indices.shape[0]), -1
+
+
+@compiled_fast
+def actor_gradient(pi: Parameters, q: Parameters, work: Work, result: Parameters) -> None:
+    """The gradient of `-1/B sum Q(s, pi(s))`."""
+    rows = work.batch.x.shape[0]
+    real = work.fit.value.dtype.type
+    network.receive(work.actor, work.batch.x)
+    actor.choose(pi, work.actor, work.actions)
+    critic.join(work.batch.x, work.actions, work.fit.critic.x)
+    network.forward(q, work.fit.critic)
+    work.fit.critic.out_bar[:] = -real(1) / real(rows)
+    network.backward_to_input(q, work.fit.critic)
+    actor.pull_back(work.actions, work.fit.critic.x_bar, work.batch.x.shape[1], work.actor)
+    network.backward(pi, work.actor)
+    network.gradient(work.actor, result)
+
+
+@compiled_fast
+def describe(work: Work, scaling: Scaling, report: Report, u: int) -> None:
+    """Note the mean Q, and the moments of the targets."""
+    rows = work.fit.value.size
+    q_sum, target_sum, square_sum = 0.0, 0.0, 0.0
+    for row in range(rows):
+        q_sum += work.fit.critic.out[row, 0]
+        target_sum += work.fit.value[row]
+        square_sum += work.fit.value[row] * work.fit.value[row]
+    report.q_mean[u] = scaling.value_mean + scaling.value_std * q_sum / rows
+    report.target_mean[u] = target_sum / rows
+    report.target_square[u] = square_sum / rows
+
+
+@compiled_fast
+def gradient_pair(
+    learned_actor: Learned,
+    learned_critic: Learned,
+    memory: Memory,
+    coordinates: Coordinates,
+    scaling: Scaling,
+    gamma: Any,
+    shapes: tuple[Shape, Shape],
+) -> tuple[Array, Array]:
+    """The critic's gradient [B, C + m] and its target, at every transition of a memory."""
+    actor_shape, critic_shape = shapes
+    indices = np.arange(memory.rewards.size)
+    work = new_work(memory, learned_actor, learned_critic, indices.size, shapes)
+    fit = work.fit
+    replay.draw(memory, indices, scaling, work.batch)
+    replay.draw_derivatives(memory, indices, coordinates, scaling, work.batch)
+    pi_target = network.parameters(learned_actor.target, actor_shape)
+    q_target = network.parameters(learned_critic.target, critic_shape)
+    bellman.target_value(
+        pi_target, q_target, work.batch, gamma, scaling,
+        work.actor, fit.critic, work.actions, fit.value,
+    )  # fmt: skip
+    bellman.target_gradient(
+        pi_target, q_target, work.batch, gamma, work.actor, fit.critic, work.actions, fit.target
+    )
+    critic.own_gradient(
+        network.parameters(learned_critic.theta, critic_shape), work.batch, coordinates, fit
+    )
+    return fit.gradient, fit.target

@@ -1,0 +1,320 @@
+"""The compiled heart of soft actor-critic and its hybrid: a cycle of updates of one run.
+
+Each update: draw a batch; the critics' target, and its gradient if w1 or w2 is not 0; then one Adam
+step each of
+
+    pi       down   1/B sum log pi(a~ | s) - Q1(s, a~)          a~ from fresh noise, reparameterised
+    V        down   1/B sum (V(s) - Vhat)^2                     with the same a~
+    Q1, Q2   down   the critic's losses (algorithms.matching.losses)
+
+all gradients taken at the parameters before the update; then V' follows V.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from algorithms.experience import replay
+from algorithms.experience.replay import Batch, Memory
+from algorithms.matching import critic, losses, soft_bellman
+from algorithms.matching.critic import CriticWork
+from algorithms.matching.losses import Matching
+from algorithms.networks import finite, gaussian, network, optimizer
+from algorithms.networks.layer import Array
+from algorithms.networks.network import Pass, Shape
+from algorithms.networks.optimizer import Learned
+from algorithms.networks.scaling import Coordinates, Scaling
+from algorithms.state import State, part, within
+from physics.kernels.compiled import compiled_fast
+
+QUANTITIES = (
+    "critic loss",
+    "gradient loss",
+    "value loss",
+    "critic gradient",
+    "value gradient",
+    "actor gradient",
+    "critic parameters",
+    "value parameters",
+    "actor parameters",
+)
+"""What an update looks at, in this order, to see whether the run diverges."""
+
+
+class Rates(NamedTuple):
+    """The numbers of the update rule."""
+
+    gamma: np.float32
+    tau: np.float32
+    reward_scale: np.float32
+    rate: float
+
+
+class Networks(NamedTuple):
+    """All that one run learns."""
+
+    policy: Learned
+    value: Learned
+    critics: tuple[Learned, Learned]
+
+    def state(self) -> State:
+        """All of them by name."""
+        first, second = self.critics
+        return (
+            within("policy", self.policy.state())
+            | within("value", self.value.state())
+            | within("critic 1", first.state())
+            | within("critic 2", second.state())
+        )
+
+    def restore(self, state: State) -> None:
+        """Overwrite all of them."""
+        first, second = self.critics
+        self.policy.restore(part(state, "policy"))
+        self.value.restore(part(state, "value"))
+        first.restore(part(state, "critic 1"))
+        second.restore(part(state, "critic 2"))
+
+
+class Shapes(NamedTuple):
+    """The networks' sizes."""
+
+    policy: Shape
+    value: Shape
+    critic: Shape
+
+
+class Work(NamedTuple):
+    """Arrays that an update writes over."""
+
+    batch: Batch
+    policy: Pass
+    actions: Array
+    """[B, m]"""
+    log_pi: Array
+    """[B]"""
+    policy_gradient: Array
+    """[P]"""
+    value: Pass
+    value_aim: Array
+    """[B], the target of V"""
+    value_gradient: Array
+    """[P]"""
+    fit: CriticWork
+
+
+class Report(NamedTuple):
+    """What each of U updates saw, [U]; of the two critics, the mean."""
+
+    critic_loss: Array
+    gradient_loss: Array
+    value_loss: Array
+    q_mean: Array
+    """Mean of Q over the batch, in the unit of c r."""
+    entropy: Array
+    """Mean of -log pi."""
+    critic_gradient_norm: Array
+    value_gradient_norm: Array
+    actor_gradient_norm: Array
+    target_mean: NDArray[np.float64]
+    """Mean of the normalised targets of Q."""
+    target_square: NDArray[np.float64]
+    """Mean of their squares."""
+
+
+def empty_report(updates: int) -> Report:
+    """Room for the report of `updates` updates."""
+    return Report(*np.zeros((8, updates), np.float32), *np.zeros((2, updates)))
+
+
+@compiled_fast
+def new_work(memory: Memory, networks: Networks, rows: int, shapes: Shapes) -> Work:
+    """Arrays for updates of `rows` transitions each."""
+    theta = networks.policy.theta
+    actions, columns = memory.actions.shape[1], memory.reward_gradients.shape[1]
+    return Work(
+        replay.new_batch(memory, rows),
+        network.new_pass(theta, rows, shapes.policy),
+        np.empty((rows, actions), theta.dtype),
+        np.empty(rows, theta.dtype),
+        np.empty_like(theta),
+        network.new_pass(theta, rows, shapes.value),
+        np.empty(rows, theta.dtype),
+        np.empty_like(networks.value.theta),
+        critic.new_critic_work(networks.critics[0].theta, rows, shapes.critic, columns),
+    )
+
+
+@compiled_fast
+def update(
+    networks: Networks,
+    done: int,
+    memory: Memory,
+    indices: NDArray[np.int64],
+    noise: Array,
+    coordinates: Coordinates,
+    scaling: Scaling,
+    rates: Rates,
+    matching: Matching,
+    shapes: Shapes,
+    report: Report,
+) -> tuple[int, int]:
+    """Update on the batches `indices [U, B]`, `done` updates having been done before.
+
+    `noise [U, B, m]` is what actions are sampled with.
+
+    Returns:
+        As `algorithms.actor_critic.ddpg_update.update`.
+    """
+    work = new_work(memory, networks, indices.shape[1], shapes)
+    for u in range(indices.shape[0]):
+        step = optimizer.corrected(rates.rate, done + u + 1)
+        replay.draw(memory, indices[u], scaling, work.batch)
+        replay.scale_rewards(work.batch, rates.reward_scale)
+        if losses.is_matched(matching):
+            replay.draw_derivatives(memory, indices[u], coordinates, scaling, work.batch)
+            replay.scale_reward_gradients(work.batch, rates.reward_scale)
+        aim_critics(networks.value, rates.gamma, scaling, matching, work, shapes)
+        improve_policy(networks, noise[u], scaling, work, shapes)
+        report.value_loss[u] = fit_value(networks.value, work, shapes)
+        describe(work, report, u)
+        policy_norm, policy_size = optimizer.adam(networks.policy, work.policy_gradient, step)
+        report.actor_gradient_norm[u] = np.sqrt(policy_norm)
+        value_norm, value_size = optimizer.adam(networks.value, work.value_gradient, step)
+        report.value_gradient_norm[u] = np.sqrt(value_norm)
+        critic_size = work.log_pi.dtype.type(0)
+        for learned in networks.critics:
+            critic_size += fit_critic(
+                learned, coordinates, scaling, matching, step, work, shapes, report, u
+            )
+        optimizer.follow(networks.value, rates.tau)
+        lost = finite.first_not_finite((
+            report.critic_loss[u], report.gradient_loss[u], report.value_loss[u],
+            report.critic_gradient_norm[u], value_norm, policy_norm,
+            critic_size, value_size, policy_size,
+        ))  # fmt: skip
+        if lost >= 0:
+            return u, lost
+    return int(indices.shape[0]), -1
+
+
+@compiled_fast
+def aim_critics(
+    value: Learned, gamma: Any, scaling: Scaling, matching: Matching, work: Work, shapes: Shapes
+) -> None:
+    """The critics' target and, where gradients are matched, its gradient."""
+    following = network.parameters(value.target, shapes.value)
+    soft_bellman.target_value(following, work.batch, gamma, scaling, work.value, work.fit.value)
+    if losses.is_matched(matching):
+        soft_bellman.target_gradient(following, work.batch, gamma, work.value, work.fit.target)
+
+
+@compiled_fast
+def improve_policy(
+    networks: Networks, noise: Array, scaling: Scaling, work: Work, shapes: Shapes
+) -> None:
+    """The gradient of the policy's loss; on the way, the target of V."""
+    batch, q = work.batch, work.fit.critic
+    policy = network.parameters(networks.policy.theta, shapes.policy)
+    rows = batch.x.shape[0]
+    real = work.log_pi.dtype.type
+    share = real(1) / real(rows)
+    network.receive(work.policy, batch.x)
+    gaussian.sample(policy, work.policy, noise, work.actions, work.log_pi)
+    critic.join(batch.x, work.actions, q.x)
+    work.value_aim[:] = np.inf
+    for k in range(2):
+        # The first critic last: its pass is the one that is pulled back.
+        theta = networks.critics[1 - k].theta
+        network.forward(network.parameters(theta, shapes.critic), q)
+        for row in range(rows):
+            work.value_aim[row] = min(work.value_aim[row], q.out[row, 0])
+    for row in range(rows):
+        work.value_aim[row] -= work.log_pi[row] / scaling.value_std
+        q.out_bar[row, 0] = -share * scaling.value_std
+    network.backward_to_input(network.parameters(networks.critics[0].theta, shapes.critic), q)
+    gaussian.pull_back(noise, work.actions, q.x_bar, batch.x.shape[1], share, work.policy)
+    network.backward(policy, work.policy)
+    network.gradient(work.policy, network.parameters(work.policy_gradient, shapes.policy))
+
+
+@compiled_fast
+def fit_value(value: Learned, work: Work, shapes: Shapes) -> Any:
+    """The loss of V; its gradient goes to `work.value_gradient`."""
+    v = network.parameters(value.theta, shapes.value)
+    network.receive(work.value, work.batch.x)
+    network.forward(v, work.value)
+    loss = losses.value_loss(work.value.out, work.value_aim, work.value.out_bar)
+    network.backward(v, work.value)
+    network.gradient(work.value, network.parameters(work.value_gradient, shapes.value))
+    return loss
+
+
+@compiled_fast
+def fit_critic(
+    learned: Learned,
+    coordinates: Coordinates,
+    scaling: Scaling,
+    matching: Matching,
+    step: Any,
+    work: Work,
+    shapes: Shapes,
+    report: Report,
+    u: int,
+) -> Any:
+    """Step one critic, add half of what it saw to the report; return its squared norm."""
+    half = gaussian.HALF
+    q = network.parameters(learned.theta, shapes.critic)
+    result = network.parameters(work.fit.theta_gradient, shapes.critic)
+    if losses.is_matched(matching):
+        value_loss, gradient_loss = critic.matched_fit(
+            q, work.batch, coordinates, matching, work.fit, result
+        )
+        report.gradient_loss[u] += half * gradient_loss
+    else:
+        value_loss = critic.value_fit(q, work.batch, work.fit, result)
+    report.critic_loss[u] += half * value_loss
+    q_mean = work.fit.critic.out.sum() / work.fit.value.size
+    report.q_mean[u] += half * (scaling.value_mean + scaling.value_std * q_mean)
+    norm, size = optimizer.adam(learned, work.fit.theta_gradient, step)
+    report.critic_gradient_norm[u] += half * np.sqrt(norm)
+    return size
+
+
+@compiled_fast
+def describe(work: Work, report: Report, u: int) -> None:
+    """Note the entropy, and the moments of the critics' targets."""
+    rows = work.log_pi.size
+    entropy, total, square = 0.0, 0.0, 0.0
+    for row in range(rows):
+        entropy -= work.log_pi[row]
+        total += work.fit.value[row]
+        square += work.fit.value[row] * work.fit.value[row]
+    report.entropy[u] = entropy / rows
+    report.target_mean[u] = total / rows
+    report.target_square[u] = square / rows
+
+
+@compiled_fast
+def gradient_pair(
+    networks: Networks,
+    memory: Memory,
+    coordinates: Coordinates,
+    scaling: Scaling,
+    rates: Rates,
+    shapes: Shapes,
+) -> tuple[Array, Array]:
+    """The first critic's gradient [B, C + m] and its target, at every transition of a memory."""
+    indices = np.arange(memory.rewards.size)
+    work = new_work(memory, networks, indices.size, shapes)
+    replay.draw(memory, indices, scaling, work.batch)
+    replay.scale_rewards(work.batch, rates.reward_scale)
+    replay.draw_derivatives(memory, indices, coordinates, scaling, work.batch)
+    replay.scale_reward_gradients(work.batch, rates.reward_scale)
+    v = network.parameters(networks.value.target, shapes.value)
+    q = network.parameters(networks.critics[0].theta, shapes.critic)
+    soft_bellman.target_value(v, work.batch, rates.gamma, scaling, work.value, work.fit.value)
+    soft_bellman.target_gradient(v, work.batch, rates.gamma, work.value, work.fit.target)
+    critic.own_gradient(q, work.batch, coordinates, work.fit)
+    return work.fit.gradient, work.fit.target

@@ -1,0 +1,1 @@
+"""Gradient ascent of the actor through the simulator."""

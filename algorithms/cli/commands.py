@@ -1,0 +1,157 @@
+"""The commands of `python -m algorithms`: training on one machine, without a service.
+
+Exit codes: 0 done; 1 a run diverged or failed; 2 the command was called wrongly;
+130 interrupted.
+"""
+
+import json
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from pydantic import ValidationError
+from rich.console import Console
+from rich.table import Table
+
+import algorithms
+import physics
+from algorithms import catalogue
+from algorithms.cli.curve_file import CurveFile
+from algorithms.cli.display import display, summary
+from algorithms.cli.outcome import Outcome
+from algorithms.presets import preset
+
+if TYPE_CHECKING:
+    from algorithms.learner import Learner
+
+app = typer.Typer(
+    name="python -m algorithms",
+    help="Train learners on one machine, without a service.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+console = Console()
+
+
+@app.command(name="list")
+def list_names() -> None:
+    """List the algorithms and the tasks."""
+    table = Table("algorithm", "what it is", box=None)
+    for name in algorithms.names():
+        table.add_row(name, catalogue.find(name).summary)
+    console.print(table)
+    console.print(f"\nTasks: {', '.join(physics.names())}", soft_wrap=True, highlight=False)
+
+
+@app.command()
+def train(
+    algorithm: Annotated[str, typer.Argument(help="As `list` shows them.")],
+    environment: Annotated[str, typer.Argument(help="The task.")],
+    seeds: Annotated[int, typer.Option(min=1, help="How many runs: seeds 0, 1, ...")] = 1,
+    timesteps: Annotated[
+        int | None, typer.Option(min=1, help="Of each run; the preset's if unset.")
+    ] = None,
+    weights: Annotated[
+        tuple[float, float] | None,
+        typer.Option(metavar="W1 W2", help="Of the gradient terms; the preset's if unset."),
+    ] = None,
+    config: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=VALUE", help="A setting; may be given again for others."),
+    ] = None,
+    csv: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="A new file for every measurement.")
+    ] = None,
+) -> None:
+    """Train runs that differ in their seed, all at once, and show how they get on."""
+    usual = preset(algorithm, environment)
+    steps = usual.timesteps if timesteps is None else timesteps
+    settings = read_settings(config or [])
+    outcome = Outcome(range(seeds))
+    build = prepared(algorithm, environment, outcome.seeds, weights, steps, settings)
+    with ExitStack() as stack:
+        curves = CurveFile(stack.enter_context(new_file(csv))) if csv else None
+        show = stack.enter_context(
+            display(console, f"{algorithm} on {environment}", steps, outcome)
+        )
+        try:
+            learner = build()
+            while not learner.finished:
+                measured = outcome.take(learner.advance())
+                if curves:
+                    curves.write(measured)
+                show(steps if learner.finished else learner.timestep)
+        except KeyboardInterrupt:
+            stack.close()
+            console.print(summary(outcome))
+            console.print("Interrupted: what was measured so far is above.")
+            raise typer.Exit(130) from None
+        except ArithmeticError as error:
+            stack.close()
+            complain(f"training could not go on: {error}")
+            raise typer.Exit(1) from None
+    console.print(summary(outcome))
+    if outcome.ended:
+        for end in outcome.ended.values():
+            complain(f"seed {end.seed} {end.reason}")
+        complain(f"{len(outcome.ended)} of {seeds} runs ended early.")
+        raise typer.Exit(1)
+
+
+def prepared(
+    algorithm: str,
+    environment: str,
+    seeds: list[int],
+    weights: tuple[float, float] | None,
+    timesteps: int,
+    settings: dict[str, Any],
+) -> Callable[[], "Learner"]:
+    """What builds the learner; raises typer.BadParameter with what is wrong with the call."""
+    try:
+        return algorithms.prepare(algorithm, environment, seeds, weights, timesteps, settings)
+    except ValidationError as error:
+        found = "; ".join(
+            f"{'.'.join(map(str, each['loc']))}: {each['msg']}, not {each['input']!r}"
+            for each in error.errors()
+        )
+        raise typer.BadParameter(found, param_hint="--config") from None
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from None
+
+
+def read_settings(pairs: list[str]) -> dict[str, Any]:
+    """`NAME=VALUE` pairs as settings; raises typer.BadParameter for anything else."""
+    settings = {}
+    for pair in pairs:
+        name, equals, value = pair.partition("=")
+        if not name or not equals:
+            raise typer.BadParameter(
+                f"{pair!r} is not NAME=VALUE, such as gamma=0.99", param_hint="--config"
+            )
+        try:
+            settings[name] = json.loads(value)
+        except json.JSONDecodeError:
+            settings[name] = value
+    return settings
+
+
+def new_file(path: Path) -> Any:
+    """An open file that did not exist; raises typer.BadParameter where that cannot be."""
+    try:
+        return path.open("x", encoding="utf-8", newline="")
+    except FileExistsError:
+        raise typer.BadParameter(
+            f"{path} exists already: name another file, or remove it", param_hint="--csv"
+        ) from None
+    except OSError as error:
+        raise typer.BadParameter(
+            f"cannot write {path}: {error.strerror}", param_hint="--csv"
+        ) from None
+
+
+def complain(sentence: str) -> None:
+    """Say what went wrong, on standard error."""
+    Console(stderr=True).print(sentence, style="red", markup=False, soft_wrap=True)

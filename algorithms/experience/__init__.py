@@ -1,0 +1,1 @@
+"""Experience: what runs live through, keep and are measured by."""

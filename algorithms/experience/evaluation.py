@@ -1,0 +1,42 @@
+"""Evaluation: the undiscounted return of one episode of a deterministic policy."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from algorithms.early_end import NotFiniteQuantityError
+from algorithms.failing_rows import Failures, call_rows
+from algorithms.networks.policy import Policies
+from physics.environment import Environment
+
+FloatArray = NDArray[np.float64]
+
+
+def episode_returns(
+    environment: Environment, policies: Policies, starts: FloatArray
+) -> tuple[FloatArray, Failures]:
+    """The returns [K] of one episode of each policy, from the start states [K, n].
+
+    An episode that the task has ended earns nothing more.
+
+    Returns:
+        The returns, void for policies that failed; and how these failed.
+    """
+    states = starts
+    returns = np.zeros(len(starts))
+    running = np.ones(len(starts), np.bool_)
+    failures: Failures = {}
+    for _ in range(environment.horizon):
+        actions = policies.act(environment.features(states))
+        transition, failed = call_rows(environment.step, states, actions)
+        failures = failed | failures
+        if transition is None:
+            break
+        with np.errstate(over="ignore"):
+            returns[running] += transition.reward[running]
+        running &= ~transition.terminated
+        if not running.any():
+            break
+        states = np.where(running[:, None], transition.next_state, states)
+    for k in np.flatnonzero(~np.isfinite(returns)):
+        failures.setdefault(int(k), NotFiniteQuantityError("return"))
+    return returns, failures

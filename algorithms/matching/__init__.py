@@ -1,0 +1,1 @@
+"""Matching: the critic's losses and targets, of values and of gradients."""

@@ -1,0 +1,149 @@
+"""The critic's losses, as residuals and directions for the network's passes.
+
+    value:      1/B sum (Q - Qhat)^2
+    gradient:   1/B sum w1 |dQ/da - dQhat/da|^2 + w2 |dQ/ds - dQhat/ds|^2        (L2, Algorithm 1)
+                1/B sum w1 (1 - cos(dQ/da, dQhat/da)) + w2 (1 - cos(dQ/ds, dQhat/ds))   (equation 3)
+
+everything in normalised units. A gradient loss hands back `v = dL / d(dQ/dz)`; the gradient of L
+with respect to the parameters is then that of `v . dQ/dz`, v held (algorithms.networks.network).
+
+The cosine of two short vectors fades to 0, and its derivative stays below 1 / EPSILON:
+
+    cos(g, t) = g . t / (|g|' |t|'),    |x|' = sqrt(|x|^2 + EPSILON^2)
+
+so that a gradient which vanishes, as all do on Acrobot at first, teaches nothing. The paper's
+equation 3 has no EPSILON.
+
+No loop both sums and stores: whether such a loop may be vectorised is found out as it runs, from
+how far apart its arrays happen to lie, and a vectorised sum has other bits.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from algorithms.experience.replay import Batch
+from algorithms.networks.layer import Array
+from algorithms.networks.scaling import Coordinates
+from physics.kernels.compiled import compiled_fast
+
+ONE, TWO = np.float32(1), np.float32(2)
+EPSILON = np.float32(1e-3)
+
+
+class Matching(NamedTuple):
+    """How gradients are matched."""
+
+    w1: np.float32
+    """Weight of the action gradient."""
+    w2: np.float32
+    """Weight of the state gradient."""
+    by_cosine: bool
+    """Whether by the angle between them (equation 3), not by their L2 distance (Algorithm 1)."""
+
+
+def matching_of(weights: tuple[float, float], *, by_cosine: bool) -> Matching:
+    """Matching with the weights (w1, w2)."""
+    return Matching(np.float32(weights[0]), np.float32(weights[1]), by_cosine)
+
+
+@compiled_fast
+def is_matched(matching: Matching) -> Any:
+    """Whether there is a gradient loss at all."""
+    return matching.w1 > 0 or matching.w2 > 0
+
+
+@compiled_fast
+def value_loss(q: Array, target: Array, q_bar: Array) -> Any:
+    """The value loss of `q [B, 1]`; its derivative goes to `q_bar [B, 1]`."""
+    rows = q.shape[0]
+    real = q.dtype.type
+    share = real(1) / real(rows)
+    for row in range(rows):
+        q_bar[row, 0] = TWO * share * (q[row, 0] - target[row])
+    loss = real(0)
+    for row in range(rows):
+        residual = q[row, 0] - target[row]
+        loss += residual * residual
+    return loss * share
+
+
+@compiled_fast
+def critic_gradient(batch: Batch, coordinates: Coordinates, x_bar: Array, result: Array) -> None:
+    """`dQ/dz [B, C + m]`, normalised, from the critic's input gradient `x_bar [B, F + m]`."""
+    features = batch.x.shape[1]
+    seen = coordinates.seen.size
+    for row in range(result.shape[0]):
+        for j in range(seen):
+            result[row, j] = 0
+        for i in range(features):
+            result[row, coordinates.source[i]] += batch.slopes[row, i] * x_bar[row, i]
+        for j in range(result.shape[1] - seen):
+            result[row, seen + j] = x_bar[row, features + j]
+
+
+@compiled_fast
+def gradient_loss(
+    gradient: Array, target: Array, seen: int, matching: Matching, direction: Array
+) -> Any:
+    """The gradient loss of `gradient [B, C + m]`; its derivative goes to `direction`."""
+    if matching.by_cosine:
+        actions = cosine_loss(gradient, target, seen, gradient.shape[1], matching.w1, direction)
+        return actions + cosine_loss(gradient, target, 0, seen, matching.w2, direction)
+    actions = squared_loss(gradient, target, seen, gradient.shape[1], matching.w1, direction)
+    return actions + squared_loss(gradient, target, 0, seen, matching.w2, direction)
+
+
+@compiled_fast
+def squared_loss(
+    gradient: Array, target: Array, first: int, end: int, weight: Any, direction: Array
+) -> Any:
+    """The L2 loss of columns `first` to `end`."""
+    rows = gradient.shape[0]
+    real = gradient.dtype.type
+    share = weight / real(rows)
+    for row in range(rows):
+        for j in range(first, end):
+            direction[row, j] = TWO * share * (gradient[row, j] - target[row, j])
+    loss = real(0)
+    for row in range(rows):
+        for j in range(first, end):
+            residual = gradient[row, j] - target[row, j]
+            loss += residual * residual
+    return loss * share
+
+
+@compiled_fast
+def cosine_loss(
+    gradient: Array, target: Array, first: int, end: int, weight: Any, direction: Array
+) -> Any:
+    """The cosine loss of columns `first` to `end`: `dcos/dg = (t / |t|' - cos g / |g|') / |g|'`."""
+    rows = gradient.shape[0]
+    real = gradient.dtype.type
+    share = weight / real(rows)
+    loss = real(0)
+    for row in range(rows):
+        product, own, aim = real(0), EPSILON * EPSILON, EPSILON * EPSILON
+        for j in range(first, end):
+            product += gradient[row, j] * target[row, j]
+            own += gradient[row, j] * gradient[row, j]
+            aim += target[row, j] * target[row, j]
+        own, aim = ONE / np.sqrt(own), ONE / np.sqrt(aim)
+        cosine = product * own * aim
+        loss += ONE - cosine
+        for j in range(first, end):
+            along = target[row, j] * aim - cosine * gradient[row, j] * own
+            direction[row, j] = -share * own * along
+    return loss * share
+
+
+@compiled_fast
+def input_direction(batch: Batch, coordinates: Coordinates, direction: Array, x_dot: Array) -> None:
+    """The direction in the critic's inputs [B, F + m] of one in z [B, C + m]."""
+    features = batch.x.shape[1]
+    seen = coordinates.seen.size
+    for row in range(direction.shape[0]):
+        for i in range(features):
+            x_dot[row, i] = batch.slopes[row, i] * direction[row, coordinates.source[i]]
+        for j in range(direction.shape[1] - seen):
+            x_dot[row, features + j] = direction[row, seen + j]

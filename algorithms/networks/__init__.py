@@ -1,0 +1,1 @@
+"""Networks: passes, derivatives, steps, and the units that they work in."""

@@ -1,0 +1,1 @@
+"""Planning: iLQR in a receding horizon."""

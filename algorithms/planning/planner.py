@@ -1,0 +1,207 @@
+"""iLQR: the iterative linear-quadratic regulator with control limits, for a cohort of plans.
+
+One iteration, of every plan that has not converged yet:
+
+    expansion   dynamics to first order, cost to second, around the plan     (ilqr_expansion)
+    backward    a better action at every step, and its feedback              (ilqr_backward, box_qp)
+    search      how far to follow it, tried in parallel                      (ilqr_search)
+
+A plan has converged when the backward pass hardly changes any action (mean `|d| / (|a| + 1)` below
+1e-4 while lambda is below 1e-5), when an iteration earned less than 1e-7, or when no regularisation
+makes it better.
+
+A plan covers a window of its episode, steps start to stop - 1. What lies before the window has been
+done; what lies after it, the plan does not look at. An episode that the task ends within the window
+costs nothing from there on, and its value is 0 there.
+
+Source: Tassa, Mansard and Todorov (2014) and their code.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from algorithms.early_end import NotFiniteQuantityError
+from algorithms.failing_rows import Failures, call_rows
+from algorithms.planning.backward import (
+    LARGEST,
+    Gains,
+    Regularisation,
+    backward,
+    lower_level,
+    new_gains,
+    new_regularisation,
+    new_work,
+    raise_level,
+)
+from algorithms.planning.episodes import Episodes
+from algorithms.planning.expansion import Expansion, curved_directions, expand, new_expansion
+from algorithms.planning.search import ALPHAS, search
+from algorithms.state import State, fill
+from physics.environment import Environment
+from physics.kernels.compiled import compiled
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+SMALL_CHANGE = 1e-4
+SMALL_LEVEL = 1e-5
+SMALL_GAIN = 1e-7
+
+COUNTS = ("is_active", "iterations", "jacobians", "simulated", "_expanded_to")
+"""What a Planner holds of each plan, beside its trajectory and regularisation."""
+
+
+class Planner:
+    """Plans of P runs on one task, each improved by itself; their bits do not depend on P.
+
+    Attributes:
+        episodes: the trajectories, which iterations improve in place.
+        is_active: bool [P], whose plan has not converged.
+        iterations: int [P], iterations so far.
+        jacobians: int [P], Jacobians of a step worked out so far.
+        simulated: int [P], steps that line searches have simulated so far.
+        failures: how plans failed that can't go on, by their index; others are not concerned.
+    """
+
+    def __init__(self, environment: Environment, episodes: Episodes) -> None:
+        """Take over the episodes' trajectories as first plans."""
+        plans = len(episodes.ends)
+        self.episodes = episodes
+        self.is_active = np.zeros(plans, np.bool_)
+        self.iterations = np.zeros(plans, np.int64)
+        self.jacobians = np.zeros(plans, np.int64)
+        self.simulated = np.zeros(plans, np.int64)
+        self.failures: Failures = {}
+        self.regularisation = new_regularisation(plans)
+        self.gains = new_gains(environment, plans)
+        self._environment = environment
+        self._directions = curved_directions(environment)
+        self._expansion = new_expansion(environment, plans)
+        self._expanded_to = np.zeros(plans, np.int64)
+        self._work = new_work(environment)
+
+    @property
+    def bytes_per_plan(self) -> int:
+        """Memory that each plan fills."""
+        parts = (*self.episodes, *self.gains, *self._expansion)
+        return sum(part.nbytes for part in parts) // max(len(self.is_active), 1)
+
+    def begin(self, plans: Integers) -> None:
+        """Take these plans as not converged, whatever came of them before.
+
+        Regularisation goes on from where it was left; where none was enough, it starts anew.
+        """
+        self.is_active[plans] = True
+        spent = plans[self.regularisation.level[plans] > LARGEST]
+        self.regularisation.level[spent] = 1.0
+        self.regularisation.growth[spent] = 1.0
+
+    def keep(self, rows: list[int]) -> None:
+        """Keep these plans only."""
+        self.failures = {
+            p: self.failures[row] for p, row in enumerate(rows) if row in self.failures
+        }
+        for name in COUNTS:
+            setattr(self, name, getattr(self, name)[rows])
+        for name in ("episodes", "regularisation", "gains", "_expansion"):
+            parts = getattr(self, name)
+            setattr(self, name, type(parts)._make(part[rows] for part in parts))
+
+    def iterate(self, start: int, stop: int, plans: Integers) -> None:
+        """Do one iteration of steps start to stop - 1 of these plans, all of them active.
+
+        Plans in which something raises, or whose derivatives or gains are not finite, are noted in
+        `failures`.
+        """
+        self._expand(start, stop, plans)
+        self._check(plans, start, stop, self._expansion, "derivative")
+        plans = self._intact(plans)
+        is_possible = np.ones(len(self.is_active), np.bool_)
+        backward(
+            plans, start, stop, self.episodes, self._expansion, self.regularisation,
+            self.gains, self._work, is_possible,
+        )  # fmt: skip
+        self._check(plans, start, stop, self.gains, "gain")
+        plans = self._intact(plans)
+        level, size = self.regularisation.level, self.gains.size
+        is_flat = (size < SMALL_CHANGE) & (level < SMALL_LEVEL)
+        self.is_active[plans] = (is_possible & ~is_flat)[plans]
+        self.iterations[plans] += 1
+        plans = plans[self.is_active[plans]]
+        if plans.size:
+            gain = search(self._environment, plans, (start, stop), self.episodes, self.gains)
+            self.simulated[plans] += (stop - start) * len(ALPHAS)
+            self._expanded_to[plans[gain > 0.0]] = start
+            adapt(plans, gain, self.regularisation, self.is_active)
+
+    def state(self, p: int) -> State:
+        """All that the next bits of plan p depend on; its expansion is worked out again."""
+        own = {name: getattr(self, name)[p] for name in COUNTS}
+        parts = self.episodes._asdict() | self.regularisation._asdict()
+        return {name: np.asarray(array) for name, array in own.items()} | {
+            name: np.asarray(array[p]) for name, array in parts.items()
+        }
+
+    def restore(self, p: int, start: int, state: State) -> None:
+        """Take up what `state` gave, for a plan whose window begins at step `start`.
+
+        Raises:
+            KeyError, ValueError: for a state that is not of this task.
+        """
+        parts = self.episodes._asdict() | self.regularisation._asdict()
+        parts |= {name: getattr(self, name) for name in COUNTS}
+        for name, array in parts.items():
+            fill(array[p : p + 1], state[name][None])
+        stop = int(self._expanded_to[p])
+        if start < stop:
+            expand(
+                self._environment, self.episodes, np.array([p]), (start, stop),
+                self._directions, self._expansion,
+            )  # fmt: skip
+
+    def _expand(self, start: int, stop: int, plans: Integers) -> None:
+        """Bring the expansion of the window up to date."""
+        for first in np.unique(np.clip(self._expanded_to[plans], start, stop)):
+            if first < stop:
+                chosen = plans[np.clip(self._expanded_to[plans], start, stop) == first]
+                self.jacobians[chosen] += self._expand_from(int(first), stop, chosen)
+        self._expanded_to[plans] = stop
+
+    def _expand_from(self, first: int, stop: int, plans: Integers) -> int:
+        """Fill in the expansion of these steps; return the Jacobians it took of each plan."""
+        count, failures = call_rows(
+            lambda chosen: expand(
+                self._environment, self.episodes, chosen, (first, stop),
+                self._directions, self._expansion,
+            ),
+            plans,
+        )  # fmt: skip
+        self.failures |= {int(plans[k]): error for k, error in failures.items()}
+        return count or 0
+
+    def _check(
+        self, plans: Integers, start: int, stop: int, parts: Expansion | Gains, quantity: str
+    ) -> None:
+        """Note plans that have a NaN or an infinity in one of the parts, up to their end."""
+        for p in plans:
+            end = min(stop, self.episodes.ends[p])
+            numbers = (part[p, start:end] if part.ndim > 1 else part[p] for part in parts)
+            if not all(np.isfinite(each).all() for each in numbers):
+                self.failures.setdefault(int(p), NotFiniteQuantityError(quantity))
+
+    def _intact(self, plans: Integers) -> Integers:
+        return np.array([p for p in plans if p not in self.failures], np.int64)
+
+
+@compiled
+def adapt(
+    plans: Integers, gain: Floats, regularisation: Regularisation, is_active: NDArray[np.bool_]
+) -> None:
+    """Regularise each plan by what its search gained, and see whether it has converged."""
+    for k in range(plans.size):
+        p = plans[k]
+        if gain[k] > 0.0:
+            lower_level(regularisation, p)
+            is_active[p] = gain[k] >= SMALL_GAIN
+        else:
+            is_active[p] = raise_level(regularisation, p)

@@ -1,0 +1,1 @@
+"""The audit: every Jacobian against differences."""

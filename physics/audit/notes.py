@@ -1,0 +1,81 @@
+"""Audit notes: what an audit's numbers do not say: which kinks it met, and what it cannot know."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from physics.audit.record import TOLERANCE, RegimeAudit
+from physics.environment import Environment, FloatArray, Pieces
+from physics.randomness import generator
+
+SHOWN = 1_000
+"""So many states are looked at."""
+
+
+def failures(rows: Sequence[RegimeAudit], count: int) -> list[str]:
+    """Why each regime that did not pass did not."""
+    return [
+        f"NOT PASSED: {row.environment}, {row.regime}: {_reason(row, count)}"
+        for row in rows
+        if not row.passed(count)
+    ]
+
+
+def _reason(row: RegimeAudit, count: int) -> str:
+    if row.states + row.kinks == 0:
+        return "never sampled; let the task's `sample` go there"
+    if not np.isfinite(row.worst) and row.states:
+        return "a step, a derivative or a difference is NaN or infinite"
+    if row.worst > TOLERANCE and row.states:
+        return f"the worst error is {row.worst:.1e}, which is above {TOLERANCE:.0e}"
+    return (
+        f"{row.states:,} of {count:,} states compared, {row.kinks:,} more lie at a kink; "
+        "let the task's `sample` go there more often"
+    )
+
+
+def notes(environment: Environment, rows: Sequence[RegimeAudit]) -> list[str]:
+    """What to know beside the table, of a sample of states."""
+    states, actions = environment.sample(generator(0, "audit", 0), SHOWN)
+    pieces = environment.pieces(states, actions)
+    return [
+        *_undeclared(environment, sum(row.undeclared for row in rows)),
+        *_unsampled(environment, pieces),
+        *_unknown(environment, states),
+    ]
+
+
+def _undeclared(environment: Environment, count: int) -> Iterator[str]:
+    if count:
+        yield (
+            f"NOTE: {environment.name}: {count:,} states have a kink nearby that `pieces` does not "
+            "declare: there, wide differences disagree with narrow ones."
+        )
+
+
+def _unsampled(environment: Environment, pieces: Pieces) -> Iterator[str]:
+    """What the task declares and its states do not show, and the other way round."""
+    names = len(environment.regimes)
+    nameless = sorted(set(pieces.regime.tolist()) - set(range(names)))
+    if nameless:
+        yield (
+            f"NOT PASSED: {environment.name}: `pieces` tells of the regimes {nameless}, but "
+            f"`regimes` has names for 0 to {names - 1}"
+        )
+    constant = np.flatnonzero((pieces.piece == pieces.piece[:1]).all(axis=0)).tolist()
+    if constant:
+        yield (
+            f"NOTE: {environment.name}: over {SHOWN:,} states the columns {constant} of `pieces` "
+            "never changed: the kinks that they declare were not sampled."
+        )
+
+
+def _unknown(environment: Environment, states: FloatArray) -> Iterator[str]:
+    """How far states go where no kink is declared, coordinate by coordinate."""
+    if type(environment).pieces is Environment.pieces:
+        limits = enumerate(zip(states.min(axis=0), states.max(axis=0), strict=True))
+        ranges = ", ".join(f"from {low:.3g} to {high:.3g} in s[{i}]" for i, (low, high) in limits)
+        yield (
+            f"NOTE: {environment.name} declares no kink but the clip of its actions. Whether there "
+            f"are others that no state came near cannot be known. The states went {ranges}."
+        )

@@ -1,0 +1,1 @@
+"""Impacts: event-driven contact of a body that flies."""

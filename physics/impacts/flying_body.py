@@ -1,0 +1,222 @@
+"""A planar rigid body of unit mass in free flight and under impulses, its tangent beside it.
+
+    x(t) = x + vx t                 vx(t) = vx
+    y(t) = y + vy t - g t^2 / 2     vy(t) = vy - g t
+    theta(t) = theta + omega t + alpha t^2 / 2      omega(t) = omega + alpha t
+
+The tangent of a body is an array `[7, 8]`, a row for each of its numbers: column k < 7 is the
+derivative in input k (the six coordinates it started from, then alpha), column LAPSE how the body
+changes if its last motion takes longer. Whoever knows what ends that motion calls `end_with_time`
+or `end_with_gap`, which turn the lapse into derivatives: a moment found from the state moves with
+the state. An impact in between makes this the saltation matrix (Kong and others, equation 5): what
+the flight before it gains by its delay, the flight after it loses from the time that is left.
+
+Every motion returns the moved body and moves the tangent in place, unless that is None; which of
+the two is settled when the kernel is compiled, so that a step without derivatives costs nothing
+more and still is the same code.
+
+Glossary: g gravity (m/s^2, downwards); alpha angular acceleration (rad/s^2); (rx, ry) a point of
+the body seen from its centre; gap = y + ry its height; inertia per unit mass (m^2).
+Source: Kong, Payne, Zhu and Johnson, "Saltation matrices", Proc. IEEE 112(6), 2024.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physics.impacts.impulse import Contact, Impulse, impulse_derivative
+from physics.kernels.compiled import compiled
+
+
+class Body(NamedTuple):
+    """Pose (m, m, rad), velocity (m/s, m/s, rad/s), and the time it has left to move (s)."""
+
+    x: float
+    y: float
+    angle: float
+    vx: float
+    vy: float
+    spin: float
+    time: float
+
+
+Tangent = NDArray[np.float64]
+
+# Rows of a tangent.
+X = 0
+Y = 1
+ANGLE = 2
+VX = 3
+VY = 4
+SPIN = 5
+TIME = 6
+ROWS = 7
+
+# Columns of a tangent that are no coordinate.
+ALPHA = 6
+LAPSE = 7
+COLUMNS = 8
+
+
+@compiled
+def start_tangent(tangent: Tangent) -> None:
+    """Set the tangent of a body that has not moved: it is its own input."""
+    tangent[:] = 0.0
+    for coordinate in range(TIME):
+        tangent[coordinate, coordinate] = 1.0
+
+
+@compiled
+def fly(body: Body, tangent: Tangent | None, duration: float, gravity: float, alpha: float) -> Body:
+    """Fly for a duration."""
+    vy = body.vy - gravity * duration
+    spin = body.spin + alpha * duration
+    if tangent is not None:
+        _coast(tangent, duration)
+        tangent[ANGLE, ALPHA] += 0.5 * duration * duration
+        tangent[SPIN, ALPHA] += duration
+        _set_lapse(tangent, body.vx, vy, spin, gravity, alpha)
+    return Body(
+        body.x + body.vx * duration,
+        body.y + body.vy * duration - 0.5 * gravity * duration * duration,
+        body.angle + body.spin * duration + 0.5 * alpha * duration * duration,
+        body.vx,
+        vy,
+        spin,
+        body.time - duration,
+    )
+
+
+@compiled
+def accelerate(
+    body: Body, tangent: Tangent | None, duration: float, gravity: float, alpha: float
+) -> Body:
+    """Change the velocity as a flight of this duration does, the pose as it is."""
+    if tangent is not None:
+        tangent[SPIN, ALPHA] += duration
+        _set_lapse(tangent, 0.0, 0.0, 0.0, gravity, alpha)
+    return Body(
+        body.x,
+        body.y,
+        body.angle,
+        body.vx,
+        body.vy - gravity * duration,
+        body.spin + alpha * duration,
+        body.time,
+    )
+
+
+@compiled
+def coast(body: Body, tangent: Tangent | None, duration: float) -> Body:
+    """Move the pose along for a duration, the velocity as it is."""
+    if tangent is not None:
+        _coast(tangent, duration)
+        for row in range(VX):
+            tangent[row, LAPSE] += duration * tangent[row + VX, LAPSE]
+        tangent[X, LAPSE] += body.vx
+        tangent[Y, LAPSE] += body.vy
+        tangent[ANGLE, LAPSE] += body.spin
+    return Body(
+        body.x + duration * body.vx,
+        body.y + duration * body.vy,
+        body.angle + duration * body.spin,
+        body.vx,
+        body.vy,
+        body.spin,
+        body.time - duration,
+    )
+
+
+@compiled
+def _coast(tangent: Tangent, duration: float) -> None:
+    for row in range(VX):
+        for k in range(LAPSE):
+            tangent[row, k] += duration * tangent[row + VX, k]
+
+
+@compiled
+def _set_lapse(
+    tangent: Tangent, vx: float, vy: float, spin: float, gravity: float, alpha: float
+) -> None:
+    """The pose changes by this velocity as the motion takes longer, the velocity by its force."""
+    tangent[X, LAPSE] = vx
+    tangent[Y, LAPSE] = vy
+    tangent[ANGLE, LAPSE] = spin
+    tangent[VX, LAPSE] = 0.0
+    tangent[VY, LAPSE] = -gravity
+    tangent[SPIN, LAPSE] = alpha
+    tangent[TIME, LAPSE] = -1.0
+
+
+@compiled
+def end_with_time(tangent: Tangent) -> None:
+    """Let the last motion end with the time that was left: dt = d time."""
+    for k in range(LAPSE):
+        delay = tangent[TIME, k]
+        for row in range(ROWS):
+            tangent[row, k] += delay * tangent[row, LAPSE]
+
+
+@compiled
+def end_with_gap(tangent: Tangent, rx: float) -> None:
+    """Let the last motion end as a point meets the ground: dt = -d gap / (d gap / d lapse)."""
+    rate = tangent[Y, LAPSE] + rx * tangent[ANGLE, LAPSE]
+    for k in range(LAPSE):
+        delay = -(tangent[Y, k] + rx * tangent[ANGLE, k]) / rate
+        for row in range(ROWS):
+            tangent[row, k] += delay * tangent[row, LAPSE]
+
+
+@compiled
+def contact_at(body: Body, rx: float, ry: float, inertia: float) -> Contact:
+    """The contact of a point with the ground."""
+    return Contact(
+        1.0 + ry * ry / inertia,
+        1.0 + rx * rx / inertia,
+        -rx * ry / inertia,
+        body.vx - body.spin * ry,
+        body.vy + body.spin * rx,
+    )
+
+
+@compiled
+def push(
+    body: Body, tangent: Tangent | None, rx: float, ry: float, inertia: float, impulse: Impulse
+) -> Body:
+    """Apply an impulse at a point."""
+    if tangent is not None:
+        _push(tangent, body, rx, ry, inertia, impulse)
+    return Body(
+        body.x,
+        body.y,
+        body.angle,
+        body.vx + impulse.tangential,
+        body.vy + impulse.normal,
+        body.spin + (rx * impulse.normal - ry * impulse.tangential) / inertia,
+        body.time,
+    )
+
+
+@compiled
+def _push(
+    tangent: Tangent, body: Body, rx: float, ry: float, inertia: float, impulse: Impulse
+) -> None:
+    """Push the tangent: the impulse depends on the angle, the slip and the rate at the point."""
+    contact = contact_at(body, rx, ry, inertia)
+    pt_u, pn_u = impulse_derivative(contact, impulse, Contact(0.0, 0.0, 0.0, 1.0, 0.0))
+    pt_v, pn_v = impulse_derivative(contact, impulse, Contact(0.0, 0.0, 0.0, 0.0, 1.0))
+    # Turning the body moves the point, d(rx, ry) = (-ry, rx), and with it the whole contact.
+    AB = 2.0 * rx * ry / inertia
+    turned = Contact(AB, -AB, (ry * ry - rx * rx) / inertia, -body.spin * rx, -body.spin * ry)
+    pt_angle, pn_angle = impulse_derivative(contact, impulse, turned)
+    moment_angle = -(ry * impulse.normal + rx * impulse.tangential)
+    for k in range(COLUMNS):
+        angle = tangent[ANGLE, k]
+        u = tangent[VX, k] - ry * tangent[SPIN, k]
+        v = tangent[VY, k] + rx * tangent[SPIN, k]
+        pt = pt_angle * angle + pt_u * u + pt_v * v
+        pn = pn_angle * angle + pn_u * u + pn_v * v
+        tangent[VX, k] += pt
+        tangent[VY, k] += pn
+        tangent[SPIN, k] += (rx * pn - ry * pt + moment_angle * angle) / inertia

@@ -1,0 +1,1 @@
+"""Kernels: compiling, and keeping what was compiled."""

@@ -1,0 +1,1 @@
+"""Robots: articulated bodies with contact as a complementarity problem."""

@@ -1,0 +1,165 @@
+"""What the contacts did in a step, substep by substep, so that anyone can check the physics."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from physics.environment import BoolArray
+from physics.kernels.compiled import compiled
+from physics.record import Floats, Integers, Records
+from physics.robots.body import Body, load_action, load_state
+from physics.robots.constraints import measure
+from physics.robots.contact_mode import OPEN
+from physics.robots.description import Mechanism
+from physics.robots.pose import place
+from physics.robots.residual import BOUND, residual
+from physics.robots.substep import advance, solve_substep
+
+
+class ContactReport(NamedTuple):
+    """A step's contacts: b rows of the batch, c spheres, l stops of joints."""
+
+    gap: Floats
+    """[b, substep, c], height of each sphere's lowest point at the end of the substep (m)."""
+    normal_impulse: Floats
+    """[b, substep, c] (N s)."""
+    tangential_impulse: Floats
+    """[b, substep, c], along +x on the robot (N s)."""
+    slip: Floats
+    """[b, substep, c], `Jt v'` of the spheres in contact, 0 of the others (m/s)."""
+    stop_impulse: Floats
+    """[b, substep, l], lower and upper stop of each joint in turn (N m s)."""
+    residual: Floats
+    """[b, substep], largest error of the substep's equations (residual.py)."""
+    mode: Integers
+    """[b, substep, c + l], each constraint's mode (contact_mode.py): OPEN, STICK (stops: at
+    work), SLIDE_AHEAD, SLIDE_BACK."""
+
+
+def empty_report(mechanism: Records, batch: int, substeps: int) -> ContactReport:
+    """A report without entries yet, all impulses 0 and all modes OPEN."""
+    spheres = mechanism["radius"].shape[1]
+    stops = mechanism["stop_joint"].shape[1]
+
+    def zeros(width: int) -> Floats:
+        return np.zeros((batch, substeps, width))
+
+    return ContactReport(
+        gap=zeros(spheres),
+        normal_impulse=zeros(spheres),
+        tangential_impulse=zeros(spheres),
+        slip=zeros(spheres),
+        stop_impulse=zeros(stops),
+        residual=np.zeros((batch, substeps)),
+        mode=np.full((batch, substeps, spheres + stops), OPEN),
+    )
+
+
+@compiled
+def _report_impulses(
+    mechanism: Mechanism, body: Body, row: int, substep: int, report: ContactReport
+) -> None:
+    problem, spheres = body.problem, mechanism.radius.shape[0]
+    for i in range(problem.count):
+        k = body.candidate[i]
+        report.mode[row, substep, k] = problem.mode[i]
+        if k >= spheres:
+            report.stop_impulse[row, substep, k - spheres] = problem.impulse[2 * i]
+        elif problem.mode[i] != OPEN:
+            report.normal_impulse[row, substep, k] = problem.impulse[2 * i]
+            report.tangential_impulse[row, substep, k] = problem.impulse[2 * i + 1]
+            for j in range(body.next_v.shape[0]):
+                report.slip[row, substep, k] += body.J[2 * i + 1, j] * body.next_v[j]
+
+
+@compiled
+def report_rows(
+    mechanisms: Records,
+    bodies: Records,
+    h: float,
+    states: Floats,
+    actions: Floats,
+    report: ContactReport,
+) -> int:
+    """Fill an empty report; return -1, or the first row that could not be solved."""
+    mechanism, body = mechanisms[0], bodies[0]
+    for row in range(states.shape[0]):
+        load_state(mechanism, states, row, body)
+        load_action(mechanism, actions, row, body)
+        for substep in range(report.residual.shape[1]):
+            solve_substep(mechanism, h, body)
+            report.residual[row, substep] = residual(mechanism, body)
+            if not report.residual[row, substep] <= BOUND:
+                return row
+            _report_impulses(mechanism, body, row, substep, report)
+            advance(body, h)
+            place(mechanism, body.q, body.pose)
+            measure(mechanism, body.q, body.pose, body.margin)
+            for k in range(report.gap.shape[2]):
+                report.gap[row, substep, k] = body.margin[k]
+    return -1
+
+
+@compiled
+def signature_rows(
+    mechanisms: Records,
+    bodies: Records,
+    h: float,
+    states: Floats,
+    actions: Floats,
+    signatures: Integers,
+) -> int:
+    """Fill signatures [b, substep]: the modes of all constraints, two bits each, the first lowest.
+
+    Steps with equal signatures lie on one smooth piece of the map. Returns -1, or the first row
+    that could not be solved.
+    """
+    mechanism, body = mechanisms[0], bodies[0]
+    for row in range(states.shape[0]):
+        load_state(mechanism, states, row, body)
+        load_action(mechanism, actions, row, body)
+        for substep in range(signatures.shape[1]):
+            solve_substep(mechanism, h, body)
+            if not residual(mechanism, body) <= BOUND:
+                return row
+            signature = 0
+            for i in range(body.problem.count):
+                signature |= body.problem.mode[i] << (2 * body.candidate[i])
+            signatures[row, substep] = signature
+            advance(body, h)
+    return -1
+
+
+@compiled
+def sphere_centres(mechanisms: Records, bodies: Records, states: Floats, centres: Floats) -> None:
+    """Fill centres [batch, c, 2] (x, z) of all spheres for states [batch, 2n]."""
+    mechanism, body = mechanisms[0], bodies[0]
+    for row in range(states.shape[0]):
+        load_state(mechanism, states, row, body)
+        place(mechanism, body.q, body.pose)
+        for k in range(centres.shape[1]):
+            link = mechanism.sphere_link[k]
+            centres[row, k, 0] = body.pose.origin[link, 0] + body.pose.spoke[k, 0]
+            centres[row, k, 1] = body.pose.origin[link, 1] + body.pose.spoke[k, 1]
+
+
+@compiled
+def find_sunk(
+    mechanisms: Records, bodies: Records, states: Floats, depth: float, sunk: BoolArray
+) -> bool:
+    """Mark states [batch] with a sphere in the ground or a joint in its stop by more than `depth`.
+
+    Returns:
+        Whether there is any.
+    """
+    mechanism, body = mechanisms[0], bodies[0]
+    found = False
+    for row in range(states.shape[0]):
+        load_state(mechanism, states, row, body)
+        place(mechanism, body.q, body.pose)
+        measure(mechanism, body.q, body.pose, body.margin)
+        sunk[row] = False
+        for k in range(body.margin.shape[0]):
+            sunk[row] |= body.margin[k] < -depth
+        found |= sunk[row]
+    return found

@@ -1,0 +1,1 @@
+"""Analysis: curves, comparisons, statistics and figures of what was measured."""

@@ -1,0 +1,133 @@
+"""What a sweep will cost, before it is submitted: core-seconds by cell, from what runs have cost.
+
+    core-seconds of a cell = rate * timesteps * seeds        wall time = sum over cells / workers
+
+The rate (core-seconds a timestep) is that of the finished runs of the same algorithm and
+environment, of those with the same settings where there are any. Without finished runs it is a
+built-in figure; of an algorithm or a task that others added there is none, and the cell's cost is
+not known. Runs trained together share their worker's time, so their seconds add up.
+
+What runs have cost is their training alone (`Measurement.seconds`). A worker also evaluates them,
+which is some per cent more and for mpc as much again or twice, and loads kernels, seconds once; the
+first run of its kind on a machine compiles them for a minute.
+"""
+
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from workers.messages.run_spec import RunSpec
+
+Basis = Literal["same settings", "same algorithm and environment", "built-in figures", "unknown"]
+
+BASIS_TEXT: Mapping[Basis, str] = {
+    "same settings": "from finished runs with the same settings",
+    "same algorithm and environment": "from finished runs with other settings",
+    "built-in figures": "from built-in figures, good to a factor of two or so",
+    "unknown": "are of unknown cost and left out: no run like theirs has finished",
+}
+
+# Core-seconds of 1000 timesteps under the presets (w1 = 1 where a hybrid has none): process time,
+# evaluation included, between timesteps 1,200 and 2,800 of one run, of gd up to 12,000 and of mpc
+# up to 60,000, on one thread of a shared AMD EPYC core in November 2026. Good to a factor of two or
+# so elsewhere; the first finished runs replace them. What ends before its timesteps, as gd on a
+# plateau and mpc with its episode, costs less than they say.
+SECONDS_PER_1000: Mapping[str, Mapping[str, float]] = {
+    "MassPoint": {
+        "ddpg": 0.11, "hybrid-ddpg": 0.12, "hybrid-ddpg-cosine": 0.14,
+        "sac": 0.22, "hybrid-sac": 0.30, "gd": 0.034, "mpc": 0.0015,
+    },
+    "Pendulum": {
+        "ddpg": 0.08, "hybrid-ddpg": 0.13, "hybrid-ddpg-cosine": 0.14,
+        "sac": 0.21, "hybrid-sac": 0.31, "gd": 0.035, "mpc": 0.0058,
+    },
+    "CartPole": {
+        "ddpg": 0.09, "hybrid-ddpg": 0.15, "hybrid-ddpg-cosine": 0.16,
+        "sac": 0.22, "hybrid-sac": 0.31, "gd": 0.035, "mpc": 0.0034,
+    },
+    "CartPoleSwingUp": {
+        "ddpg": 0.10, "hybrid-ddpg": 0.14, "hybrid-ddpg-cosine": 0.13,
+        "sac": 0.22, "hybrid-sac": 0.31, "gd": 0.039, "mpc": 0.0019,
+    },
+    "MountainCar": {
+        "ddpg": 0.10, "hybrid-ddpg": 0.13, "hybrid-ddpg-cosine": 0.13,
+        "sac": 0.21, "hybrid-sac": 0.31, "gd": 0.036, "mpc": 0.0026,
+    },
+    "Acrobot": {
+        "ddpg": 0.10, "hybrid-ddpg": 0.21, "hybrid-ddpg-cosine": 0.14,
+        "sac": 0.22, "hybrid-sac": 0.33,
+    },
+    "RollingDie": {
+        "ddpg": 0.08, "hybrid-ddpg": 0.18, "hybrid-ddpg-cosine": 0.13,
+        "sac": 0.22, "hybrid-sac": 0.32, "gd": 0.040, "mpc": 0.0023,
+    },
+    "HalfCheetah": {
+        "ddpg": 0.11, "hybrid-ddpg": 0.18, "hybrid-ddpg-cosine": 0.18,
+        "sac": 0.25, "hybrid-sac": 0.38, "gd": 0.057, "mpc": 0.0100,
+    },
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class PastCost:
+    """What one finished run cost."""
+
+    algorithm: str
+    environment: str
+    config: Mapping[str, Any]
+    timesteps: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class CellCost:
+    """What all runs of one cell will cost; NaN where nothing is known. `runs` it is learnt from."""
+
+    core_seconds: float
+    basis: Basis
+    runs: int
+
+
+def cell_costs(cells: Sequence[RunSpec], seeds: int, past: Sequence[PastCost]) -> list[CellCost]:
+    """Return the cost of each cell, with so many seeds."""
+    return [_cell_cost(cell, seeds, past) for cell in cells]
+
+
+def total_core_seconds(costs: Sequence[CellCost]) -> float:
+    """Return the sum of the known costs; NaN when none is."""
+    known = [cost.core_seconds for cost in costs if math.isfinite(cost.core_seconds)]
+    return sum(known) if known else math.nan
+
+
+def wall_seconds(costs: Sequence[CellCost], workers: int) -> float:
+    """Return how long the known costs take so many workers that do nothing else; NaN for none."""
+    return total_core_seconds(costs) / workers if workers else math.nan
+
+
+def explain(costs: Sequence[CellCost]) -> str:
+    """Say what the estimate of a sweep is based on."""
+    cells = Counter(cost.basis for cost in costs)
+    parts = [f"{cells[basis]} of {len(costs)} cells {BASIS_TEXT[basis]}" for basis in cells]
+    return "; ".join(parts) + "."
+
+
+def _cell_cost(cell: RunSpec, seeds: int, past: Sequence[PastCost]) -> CellCost:
+    pair = (cell.algorithm, cell.environment)
+    alike = [cost for cost in past if (cost.algorithm, cost.environment) == pair]
+    same = [cost for cost in alike if cost.config == cell.config]
+    steps = cell.timesteps * seeds
+    if same:
+        return CellCost(_rate(same) * steps, "same settings", len(same))
+    if alike:
+        return CellCost(_rate(alike) * steps, "same algorithm and environment", len(alike))
+    built_in = SECONDS_PER_1000.get(cell.environment, {}).get(cell.algorithm)
+    if built_in is not None:
+        return CellCost(built_in / 1000 * steps, "built-in figures", 0)
+    return CellCost(math.nan, "unknown", 0)
+
+
+def _rate(costs: Sequence[PastCost]) -> float:
+    """Core-seconds a timestep."""
+    return sum(cost.seconds for cost in costs) / sum(cost.timesteps for cost in costs)

@@ -1,0 +1,48 @@
+"""The stratified bootstrap: how far a statistic of many tasks' runs is to be trusted.
+
+Runs are drawn with replacement within each task (stratum), so every resample has the tasks and the
+numbers of runs of the sweep; the 95 % interval lies between the 2.5 % and 97.5 % quantiles of the
+statistic over the resamples (the percentile bootstrap; Agarwal et al., NeurIPS 2021).
+
+A resample is kept as counts: how often each run of a task was drawn, [RESAMPLES, n]. They come of
+a fixed generator, and so depend on a task's place and number of runs alone: the same data give the
+same interval, and one algorithm's interval does not move with the company it is shown in.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from physics.randomness import generator
+from service.analysis.curves import Floats
+
+RESAMPLES = 2000
+TAILS = (0.025, 0.975)
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A statistic and its 95 % interval; NaN where a task has a single run, or none."""
+
+    value: float
+    low: float
+    high: float
+
+
+@lru_cache(maxsize=64)
+def draw_counts(runs: int, stratum: int) -> Floats:
+    """Return how often each of a task's runs was drawn [RESAMPLES, runs]; rows sum to `runs`."""
+    draws = generator(0, "stratified bootstrap", stratum)
+    counts = draws.multinomial(runs, np.full(runs, 1 / runs), size=RESAMPLES).astype(np.float64)
+    counts.flags.writeable = False
+    return counts
+
+
+def estimate(value: float, resampled: Floats, *, is_defined: bool) -> Estimate:
+    """Return a statistic with the quantiles of its resamples [RESAMPLES]."""
+    if not is_defined:
+        return Estimate(value, math.nan, math.nan)
+    low, high = np.quantile(resampled, TAILS)
+    return Estimate(value, float(low), float(high))

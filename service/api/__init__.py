@@ -1,0 +1,1 @@
+"""The API: HTTP, its safety, its forms and its pages."""

@@ -1,0 +1,101 @@
+"""The application: routes, what stands in front of them, and what they are given.
+
+From outside in: request id, access log, the guard (host, origin, token), the body limit, routes.
+Whoever makes the application opens and closes store and dispatcher; no Ray, torch or matplotlib
+here: figures are drawn in a process beside (`service/api/side_process.py`).
+"""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+from asgi_correlation_id import CorrelationIdMiddleware
+from fastapi import APIRouter, FastAPI
+from fastapi_offline import FastAPIOffline
+from starlette.concurrency import run_in_threadpool
+
+from service.api.access_token import access_token
+from service.api.body_limit import BodyLimit
+from service.api.event_feed import EventFeed
+from service.api.logs import AccessLog
+from service.api.problem_schema import describe_problems
+from service.api.problems import install_problem_handlers
+from service.api.routes import (
+    catalogue,
+    curves,
+    documentation,
+    events,
+    figures,
+    health,
+    measurements,
+    metrics,
+    moves,
+    pages,
+    rollouts,
+    runs,
+    scores,
+    signin,
+    sweeps,
+)
+from service.api.routes.context import Dispatcher
+from service.api.security import Guard
+from service.api.side_process import SideProcess
+from service.settings import Settings
+from service.store.store import Store
+
+PREFIX = "/api/v1"
+RESOURCES = (
+    sweeps,
+    runs,
+    moves,
+    rollouts,
+    measurements,
+    curves,
+    scores,
+    figures,
+    events,
+    catalogue,
+)
+
+
+@asynccontextmanager
+async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+    """Close what the application started itself."""
+    yield
+    await run_in_threadpool(app.state.side.close)
+
+
+def create_app(settings: Settings, store: Store, dispatcher: Dispatcher) -> FastAPI:
+    """Make the application on an open store; `dispatcher` says whether runs can start."""
+    app = FastAPIOffline(
+        docs_url=None,
+        redoc_url=None,
+        title="d3pg",
+        summary="Sweeps of learning control with differentiable physics.",
+        version="1",
+        openapi_url=f"{PREFIX}/openapi.json",
+        static_url=documentation.ASSETS,
+        generate_unique_id_function=lambda route: route.name,
+        lifespan=lifespan,
+    )
+    token = access_token(settings)
+    app.state.token = token
+    app.state.store = store
+    app.state.dispatcher = dispatcher
+    app.state.event_feed = EventFeed(store)
+    app.state.side = SideProcess()
+    app.state.checkpoints = settings.checkpoint_place
+    app.state.worker_memory = settings.run_memory
+    install_problem_handlers(app)
+    api = APIRouter(prefix=PREFIX)
+    for resource in RESOURCES:
+        api.include_router(resource.router)
+    for router in (api, health.router, metrics.router, signin.router):
+        app.include_router(router)
+    documentation.add_documentation(app)
+    pages.add_pages(app)
+    describe_problems(app)
+    app.add_middleware(BodyLimit)
+    app.add_middleware(Guard, settings=settings, token=token)
+    app.add_middleware(AccessLog)
+    app.add_middleware(CorrelationIdMiddleware)
+    return app

@@ -1,0 +1,208 @@
+"""Errors as problem documents (RFC 9457, `application/problem+json`).
+
+    {"type": "invalid-request", "title": "...", "status": 422, "detail": "...",
+     "errors": [{"field": "seeds", "message": "...", "limit": 10000}], "request_id": "..."}
+
+`field` is where in the request (`algorithms[0].weights.w1`), `limit` the bound that was passed,
+null where there is none; at most `MAX_FAULTS` are listed. An error inside the server says nothing
+of its insides: the log does, under the same request id.
+"""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from http import HTTPStatus
+from typing import Any
+
+import structlog
+from asgi_correlation_id import correlation_id
+from fastapi import FastAPI
+from fastapi.exceptions import RequestValidationError
+from fastapi_problem.error import (
+    ConflictProblem,
+    NotFoundProblem,
+    Problem,
+    StatusProblem,
+    UnprocessableProblem,
+)
+from fastapi_problem.handler import ExceptionHandler, add_exception_handler, new_exception_handler
+from sqlalchemy.exc import DBAPIError
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+
+from service.store.upkeep.trouble import AFTERWARDS, Trouble, find_trouble
+
+MEDIA_TYPE = "application/problem+json"
+LIMIT_KEYS = ("ge", "gt", "le", "lt", "min_length", "max_length", "multiple_of", "expected")
+MAX_FAULTS = 100
+MAX_ECHO = 100
+LOCATIONS = frozenset({"body", "query", "path", "header", "cookie"})
+
+log = structlog.get_logger(__name__)
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One thing wrong with a request: where, what, and the limit that it passed."""
+
+    field: str
+    message: str
+    limit: float | str | None = None
+
+
+class InvalidRequest(UnprocessableProblem):
+    """422: the request was understood and cannot be done as it stands."""
+
+    type_ = "invalid-request"
+    title = "The request is not valid."
+
+    def __init__(self, faults: Sequence[Fault]) -> None:
+        """Refuse for these reasons; there is at least one."""
+        shown = [asdict(fault) for fault in faults[:MAX_FAULTS]]
+        super().__init__(summary(faults), errors=shown)
+
+
+class NotFound(NotFoundProblem):
+    """404: nothing goes by that id."""
+
+    type_ = "not-found"
+    title = "There is no such thing here."
+
+
+class ImpossibleMove(ConflictProblem):
+    """409: what was asked cannot happen from where the thing stands."""
+
+    type_ = "impossible-move"
+    title = "That cannot be done now."
+
+
+class Busy(StatusProblem):
+    """503: later, perhaps."""
+
+    type_ = "busy"
+    title = "The service is busy."
+    status = 503
+
+    def __init__(self, detail: str) -> None:
+        """Refuse for this reason."""
+        super().__init__(detail, headers={"Retry-After": "5"})
+
+
+class DatabaseTrouble(Problem):
+    """503: the database cannot do it now, for a reason that passes."""
+
+    def __init__(self, trouble: Trouble) -> None:
+        """Say what is wrong and what is to be done."""
+        detail = f"{trouble} {AFTERWARDS}"
+        super().__init__(trouble.fact, trouble.name, detail, 503, {"Retry-After": "5"})
+
+
+class InternalError(StatusProblem):
+    """500: our fault."""
+
+    type_ = "internal-error"
+    title = "The service failed on this request."
+
+    def __init__(self, detail: str | None = None, **extras: Any) -> None:  # noqa: ARG002
+        """`detail`, the exception's own text, stays in the log."""
+        super().__init__(
+            f"It is in the service's log under request id {correlation_id.get()}.", **extras
+        )
+
+
+def summary(faults: Sequence[Fault]) -> str:
+    """Return the faults as one line."""
+    first = f"{faults[0].field}: {faults[0].message}"
+    return first if len(faults) == 1 else f"{first} (and {len(faults) - 1} more)"
+
+
+def faults_of(errors: Sequence[Mapping[str, Any]]) -> list[Fault]:
+    """Return pydantic's errors as faults."""
+    return [_fault_of(error) for error in errors]
+
+
+def field_path(location: Sequence[str | int]) -> str:
+    """Write a location as one would in Python: `algorithms[0].weights.w1`.
+
+    Tags of unions, written `<tag>`, are no part of it.
+    """
+    path = ""
+    for part in location[1:] if location and location[0] in LOCATIONS else location:
+        if isinstance(part, int):
+            path += f"[{part}]"
+        elif not part.startswith("<"):
+            path += f".{printable(part)}" if path else printable(part)
+    return path or "body"
+
+
+def printable(text: str) -> str:
+    """Return text that somebody sent, fit to be sent back: short, and valid Unicode."""
+    shown = text if len(text) <= MAX_ECHO else f"{text[:MAX_ECHO]}..."
+    return shown.encode(errors="backslashreplace").decode()
+
+
+def problem_response(
+    status: HTTPStatus, detail: str, headers: Mapping[str, str] | None = None
+) -> Response:
+    """Return a problem for those who answer before the application does."""
+    document = {
+        "type": status.phrase.lower().replace(" ", "-"),
+        "title": status.phrase,
+        "status": status.value,
+        "detail": detail,
+        "request_id": correlation_id.get(),
+    }
+    return JSONResponse(document, status, headers, MEDIA_TYPE)
+
+
+def install_problem_handlers(app: FastAPI) -> None:
+    """Make every error of the application answer with a problem."""
+    handler = new_exception_handler(
+        logger=log,
+        unhandled_wrappers={"default": InternalError},
+        handlers={DBAPIError: _tell_trouble},
+        post_hooks=[_add_request_id],
+        request_validation_handler=_refuse_invalid,
+    )
+    add_exception_handler(app, handler)
+    app.add_exception_handler(DBAPIError, handler)
+
+
+def _tell_trouble(_handler: ExceptionHandler, _request: Request, error: DBAPIError) -> Problem:
+    trouble = find_trouble(error)
+    return InternalError() if trouble is None else DatabaseTrouble(trouble)
+
+
+def _refuse_invalid(
+    _handler: ExceptionHandler, _request: Request, error: RequestValidationError
+) -> Problem:
+    return InvalidRequest(faults_of(error.errors()))
+
+
+def _fault_of(error: Mapping[str, Any]) -> Fault:
+    context = error.get("ctx", {})
+    if error["type"] == "json_invalid":
+        return Fault("body", f"is not JSON at character {error['loc'][-1]}: {context['error']}")
+    return Fault(field_path(error["loc"]), _message(error), _limit(context))
+
+
+def _message(error: Mapping[str, Any]) -> str:
+    """Return pydantic's message; what our own validators raise already is a sentence."""
+    if error["type"] == "value_error":
+        return str(error["ctx"]["error"])
+    return str(error["msg"])
+
+
+def _limit(context: Mapping[str, Any]) -> float | str | None:
+    for key in LIMIT_KEYS:
+        if isinstance(limit := context.get(key), int | float | str):
+            return limit
+    return None
+
+
+def _add_request_id(
+    document: dict[str, Any], _request: Request, response: JSONResponse
+) -> tuple[dict[str, Any], JSONResponse]:
+    document["request_id"] = correlation_id.get()
+    response.body = json.dumps(document, allow_nan=False).encode()
+    return document, response

@@ -1,0 +1,183 @@
+"""What can be submitted: algorithms and environments, their settings and limits."""
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+from fastapi import APIRouter
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
+
+from algorithms import catalogue
+from algorithms.presets import Preset, preset
+from physics.audit.record import audited
+from service.api.schemas.run_answer import WeightsAnswer
+from service.api.schemas.sweep_request import (
+    MAX_LISTED,
+    MAX_NAME,
+    MAX_RUNS,
+    MAX_SEED,
+    MAX_TIMESTEPS,
+    MAX_WEIGHT,
+)
+from service.model.environment import EnvironmentFacts, known_environments
+
+router = APIRouter(tags=["catalogue"])
+
+
+class PresetAnswer(BaseModel):
+    """What a submission gets that names no setting."""
+
+    weights: WeightsAnswer
+    timesteps: int
+    config: dict[str, Any]
+
+
+class AlgorithmAnswer(BaseModel):
+    """An algorithm; `config_schema` is the JSON schema of its settings."""
+
+    name: str
+    summary: str
+    uses_weights: bool
+    needs_reward_gradient: bool
+    config_schema: dict[str, Any]
+    presets: dict[str, PresetAnswer] = Field(description="By environment it can learn in.")
+
+
+class AuditAnswer(BaseModel):
+    """What the gradient audit found in one regime of an environment (`python -m physics audit`)."""
+
+    regime: str
+    states: int = Field(description="How many states were compared with central differences.")
+    kinks: int = Field(description="How many more lay at a kink, where no derivative exists.")
+    worst: float = Field(description="The worst relative error of the states compared.")
+    median: float
+    passed: bool = Field(description="At least 2,000 states, and the worst error at most 1e-6.")
+
+
+class EnvironmentAnswer(BaseModel):
+    """An environment."""
+
+    name: str
+    version: int
+    state_size: int
+    action_size: int
+    feature_size: int
+    horizon: int
+    max_reward: float
+    reward_is_differentiable: bool
+    regimes: list[str] = Field(description="The kinds of step that its audit reports apart.")
+    audit: list[AuditAnswer] = Field(
+        description="Empty where this version of the environment was never audited."
+    )
+
+
+class LimitsAnswer(BaseModel):
+    """Limits of a submission."""
+
+    runs: int = MAX_RUNS
+    timesteps: int = MAX_TIMESTEPS
+    seed: int = MAX_SEED
+    weight: float = MAX_WEIGHT
+    name_characters: int = MAX_NAME
+    listed: int = MAX_LISTED
+
+
+class CatalogueAnswer(BaseModel):
+    """The catalogue."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "algorithms": [
+                        {
+                            "name": "ddpg",
+                            "summary": "Deterministic policy gradients.",
+                            "uses_weights": False,
+                            "needs_reward_gradient": False,
+                            "config_schema": {"type": "object"},
+                            "presets": {
+                                "Pendulum": {
+                                    "weights": {"w1": 0.0, "w2": 0.0},
+                                    "timesteps": 20_000,
+                                    "config": {},
+                                }
+                            },
+                        }
+                    ],
+                    "environments": [
+                        {
+                            "name": "Pendulum",
+                            "version": 1,
+                            "state_size": 2,
+                            "action_size": 1,
+                            "feature_size": 3,
+                            "horizon": 200,
+                            "max_reward": 0.0,
+                            "reward_is_differentiable": True,
+                            "regimes": ["swing"],
+                            "audit": [],
+                        }
+                    ],
+                    "limits": {
+                        "runs": MAX_RUNS,
+                        "timesteps": MAX_TIMESTEPS,
+                        "seed": MAX_SEED,
+                        "weight": MAX_WEIGHT,
+                        "name_characters": MAX_NAME,
+                        "listed": MAX_LISTED,
+                    },
+                }
+            ]
+        }
+    )
+
+    algorithms: list[AlgorithmAnswer]
+    environments: list[EnvironmentAnswer]
+    limits: LimitsAnswer
+
+
+@router.get("/catalogue")
+def get_catalogue() -> CatalogueAnswer:
+    """List algorithms, environments and limits: all that a submission can be made of."""
+    environments = known_environments()
+    return CatalogueAnswer(
+        algorithms=[_algorithm(name, environments) for name in catalogue.names()],
+        environments=[_environment(facts) for facts in environments],
+        limits=LimitsAnswer(),
+    )
+
+
+def _environment(facts: EnvironmentFacts) -> EnvironmentAnswer:
+    return EnvironmentAnswer(
+        **asdict(facts),
+        audit=[
+            AuditAnswer(**asdict(row), passed=row.passed())
+            for row in audited(facts.name, facts.version)
+        ],
+    )
+
+
+def _algorithm(name: str, environments: Sequence[EnvironmentFacts]) -> AlgorithmAnswer:
+    algorithm = catalogue.find(name)
+    able = [
+        facts.name
+        for facts in environments
+        if facts.reward_is_differentiable or not algorithm.needs_reward_gradient
+    ]
+    return AlgorithmAnswer(
+        name=algorithm.name,
+        summary=algorithm.summary,
+        uses_weights=algorithm.uses_weights,
+        needs_reward_gradient=algorithm.needs_reward_gradient,
+        config_schema=TypeAdapter(algorithm.config_class()).json_schema(),
+        presets={environment: _preset(preset(name, environment)) for environment in able},
+    )
+
+
+def _preset(usual: Preset) -> PresetAnswer:
+    return PresetAnswer(
+        weights=WeightsAnswer(w1=usual.weights[0], w2=usual.weights[1]),
+        timesteps=usual.timesteps,
+        config=dict(usual.config),
+    )

@@ -1,0 +1,128 @@
+"""Curves of a sweep: what its figures are drawn from too."""
+
+from collections.abc import Collection
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Response
+from pydantic import BaseModel, ConfigDict, Field
+
+from service.analysis.comparison import METRIC_TEXT, RETURNS, Abscissa, Comparison, View, compare
+from service.analysis.curves import Band
+from service.api.problems import Fault, InvalidRequest
+from service.api.routes.context import TheStore, TheSweep
+from service.api.routes.revalidation import RevalidatedRoute
+from service.api.schemas.curves_answer import CurvesAnswer, curves_json
+from service.api.schemas.sweep_request import MAX_RUNS, Text
+from service.api.submission.nearest import unknown_name
+from service.model.entry import Entries
+from service.model.environment import best_return
+from service.model.sweep import Sweep
+from service.store.store import Store
+
+router = APIRouter(prefix="/sweeps/{sweep_id}", tags=["curves"], route_class=RevalidatedRoute)
+
+DEFAULT_POINTS = 300
+MAX_POINTS = 10_000
+MAX_TOTAL_POINTS = 500_000
+
+
+class BandQuery(BaseModel):
+    """How curves are drawn, whatever their metric."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    normalized: bool | None = Field(
+        default=None, description="0 acts at random, 1 is the best. Left out: true for returns."
+    )
+    band: Band = "std"
+    x: Abscissa = Field(
+        default="timesteps",
+        description="`seconds`: processor time of training, without compiling and evaluation.",
+    )
+    max_points: int = Field(
+        default=DEFAULT_POINTS,
+        ge=2,
+        le=MAX_POINTS,
+        description=(
+            "Of a curve, by leaving points out; fewer where all curves together would have more "
+            f"than {MAX_TOTAL_POINTS}."
+        ),
+    )
+
+
+class CurveQuery(BandQuery):
+    """Which curves, and how."""
+
+    metric: Text = Field(
+        default="return_mean",
+        max_length=100,
+        description="`return_mean`, `return_history`, or a diagnostic that the runs measure.",
+    )
+    seeds: bool = Field(default=False, description="Each run's own curve too.")
+    run: int | None = Field(
+        default=None,
+        ge=0,
+        le=MAX_RUNS,
+        description="Of this run alone: the number at the end of its id.",
+    )
+
+
+@router.get("/curves", response_model=CurvesAnswer)
+def get_curves(sweep: TheSweep, query: Annotated[CurveQuery, Query()], store: TheStore) -> Response:
+    """Answer mean and band over seeds, exact, from all of them, with n."""
+    comparison = compared(store, sweep, query, query.metric, with_seeds=query.seeds, run=query.run)
+    return Response(curves_json(sweep.id, comparison, query.seeds), media_type="application/json")
+
+
+@router.get(
+    "/metrics",
+    responses={
+        200: {
+            "content": {
+                "application/json": {"example": ["return_mean", "return_history", "critic_loss"]}
+            }
+        }
+    },
+)
+def get_metrics(sweep: TheSweep, store: TheStore) -> list[str]:
+    """List what curves can show: the returns, and the diagnostics that runs have measured."""
+    return [*METRIC_TEXT, *store.diagnostic_names(sweep.id)]
+
+
+def compared(
+    store: Store,
+    sweep: Sweep,
+    query: BandQuery,
+    metric: str,
+    algorithms: Collection[str] = (),
+    environment: str = "",
+    *,
+    with_seeds: bool = False,
+    run: int | None = None,
+) -> Comparison:
+    """Return the comparison of a sweep's runs: all, or those of some algorithms, a task, a number.
+
+    Raises InvalidRequest for a metric that cannot be shown.
+    """
+    if metric not in RETURNS and metric not in (known := store.diagnostic_names(sweep.id)):
+        raise InvalidRequest([unknown_name("metric", metric, [*sorted(RETURNS), *known])])
+    if query.normalized and metric not in RETURNS:
+        fault = Fault("normalized", f"only returns have a normalised scale, {metric!r} has none")
+        raise InvalidRequest([fault])
+    runs = [
+        one
+        for one in store.curve_points(sweep.id, metric, query.x, run)
+        if (not algorithms or one.spec.algorithm in algorithms)
+        and environment in ("", one.spec.environment)
+    ]
+    entries = Entries(sweep.request)
+    curves = {(run.spec.environment, entries.label(run.run_id)) for run in runs}
+    lines = len(runs) if with_seeds else len(curves)
+    view = View(
+        metric=metric,
+        normalized=metric in RETURNS if query.normalized is None else query.normalized,
+        band=query.band,
+        x=query.x,
+        max_points=min(query.max_points, max(2, MAX_TOTAL_POINTS // max(1, lines))),
+    )
+    return compare(runs, entries, view, store.random_returns(), best_return)

@@ -1,0 +1,82 @@
+"""Runs: those of a sweep, one of them, its attempts, cancelling it."""
+
+from typing import Annotated
+
+import numpy as np
+import structlog
+from fastapi import APIRouter, Query, Request, Response
+from pydantic import Field
+
+from service.api.routes.context import TheCheckpoints, TheLabel, TheRun, TheStore, TheSweep
+from service.api.schemas.number import numbers
+from service.api.schemas.page import Page, PageQuery, page_of, read_cursor
+from service.api.schemas.run_answer import AttemptAnswer, ListedRunAnswer, RunAnswer
+from service.api.schemas.sweep_request import Name
+from service.model.entry import Entries
+from service.model.run import RunStatus
+from service.store.reading.run_order import By, RunOrder
+from workers.checkpoints.checkpoint_folder import has_policy
+
+router = APIRouter(tags=["runs"])
+log = structlog.get_logger(__name__)
+
+
+class RunQuery(PageQuery):
+    """Which runs of a sweep."""
+
+    status: RunStatus | None = None
+    algorithm: Name | None = None
+    environment: Name | None = Field(default=None, description="Its exact name.")
+    sort: By = Field(default="made", description="Runs without the value come last.")
+    descending: bool = False
+    sparkline: int = Field(
+        default=0, ge=0, le=200, description="About so many points of return_mean with each run."
+    )
+
+
+@router.get("/sweeps/{sweep_id}/runs")
+def list_runs(
+    sweep: TheSweep,
+    query: Annotated[RunQuery, Query()],
+    request: Request,
+    response: Response,
+    store: TheStore,
+) -> Page[ListedRunAnswer]:
+    """List the runs of a sweep, in the order they were made or by a value."""
+    runs = store.list_runs(
+        sweep.id,
+        status=query.status,
+        algorithm=query.algorithm,
+        environment=query.environment,
+        order=RunOrder(query.sort, query.descending),
+        after=read_cursor(query.after),
+        limit=query.limit + 1,
+    )
+    label = Entries(sweep.request).label
+    answers = [ListedRunAnswer.of(run, label(run.id)) for run in runs]
+    page = page_of(answers, query.limit, request, response)
+    if query.sparkline:
+        outlines = store.return_outlines([run.id for run in page.items], query.sparkline)
+        for run in page.items:
+            run.sparkline = numbers(np.array(outlines.get(run.id, [])))
+    return page
+
+
+@router.get("/runs/{run_id}")
+def get_run(run: TheRun, label: TheLabel, checkpoints: TheCheckpoints) -> RunAnswer:
+    """Show a run; its links have `rollout` where it has learned something to act with."""
+    answer = RunAnswer.of(run, label)
+    try:
+        can_act = has_policy(checkpoints, run.id)
+    except OSError as trouble:
+        log.warning("whether a run has a policy cannot be seen", reason=trouble.strerror)
+        can_act = False
+    if can_act:
+        answer.links["rollout"] = f"{answer.links['self']}/rollout"
+    return answer
+
+
+@router.get("/runs/{run_id}/attempts")
+def list_attempts(run: TheRun, store: TheStore) -> list[AttemptAnswer]:
+    """List how often a run was claimed, and how each attempt ended, the first one first."""
+    return [AttemptAnswer.of(attempt) for attempt in store.attempts(run.id)]

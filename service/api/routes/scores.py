@@ -1,0 +1,143 @@
+"""What the runs of a sweep have reached, as a table, and the statistics behind it."""
+
+from collections.abc import Sequence
+from typing import Annotated, Literal
+
+from fastapi import APIRouter, Query, Request, Response
+from pydantic import BaseModel, ConfigDict, Field
+
+from service.analysis.comparison import grouped
+from service.analysis.statistics.paired_difference import paired_differences
+from service.analysis.statistics.score import SCORES, Score
+from service.analysis.statistics.score_table import ScoreTable, score_table
+from service.analysis.statistics.score_table_text import latex, markdown
+from service.analysis.statistics.scores import CellScores, sweep_scores
+from service.analysis.statistics.sweep_statistics import sweep_statistics
+from service.api.problems import Fault, InvalidRequest
+from service.api.routes.context import TheStore, TheSweep
+from service.api.routes.negotiation import asked_form
+from service.api.routes.revalidation import RevalidatedRoute
+from service.api.schemas.score_table_answer import ScoreTableAnswer, score_table_csv
+from service.api.schemas.statistics_answer import StatisticsAnswer
+from service.model.entry import Entries
+from service.model.environment import best_return
+from service.model.sweep import Sweep
+from service.store.store import Store
+
+router = APIRouter(prefix="/sweeps/{sweep_id}", tags=["curves"], route_class=RevalidatedRoute)
+
+MAX_COMPARED = 4_000_000
+TableForm = Literal["json", "csv", "markdown", "latex"]
+MEDIA_TYPES: dict[TableForm, str] = {
+    "json": "application/json",
+    "csv": "text/csv",
+    "markdown": "text/markdown",
+    "latex": "application/x-latex",
+}
+EXAMPLES = {
+    "text/csv": {
+        "example": "environment,label,algorithm,w1,w2,config,timesteps,runs,n,unfinished,mean,std,"
+        "low,high,is_best\r\n"
+        "Pendulum,ddpg,ddpg,0.0,0.0,{},20000,16,16,,0.731,0.042,0.709,0.753,True\r\n"
+    },
+    "text/markdown": {
+        "example": "|  | Pendulum |\n| --- | ---: |\n| ddpg | **0.731** ± 0.042 (16) |\n"
+    },
+    "application/x-latex": {"example": r"ddpg & $\mathbf{0.731}$ $\pm$ 0.042 (16) \\"},
+}
+
+
+class ScoreQuery(BaseModel):
+    """Which score of the runs."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    score: Score = Field(
+        default="final",
+        description="; ".join(f"`{name}`: {kind.text}" for name, kind in SCORES.items()) + ".",
+    )
+
+
+class TableQuery(ScoreQuery):
+    """Which score, and in which form."""
+
+    normalized: bool = Field(default=True, description="0 acts at random, 1 is the best.")
+    format: TableForm | None = Field(
+        default=None, description="Left out: as the Accept header says, else JSON."
+    )
+
+
+@router.get(
+    "/table",
+    response_model=ScoreTableAnswer,
+    responses={200: {"content": EXAMPLES}},
+)
+def get_table(
+    sweep: TheSweep, query: Annotated[TableQuery, Query()], request: Request, store: TheStore
+) -> Response:
+    """Answer what every entry of the sweep reached in every task.
+
+    With `score=return_history` it is the paper's table 1 for this sweep.
+    """
+    scores = _scores(store, sweep, query.score, normalized=query.normalized)
+    table = score_table(scores, query.score, normalized=query.normalized)
+    form = asked_form(request, query.format, MEDIA_TYPES)
+    headers = {"Vary": "Accept"}
+    if form == "csv":
+        headers["Content-Disposition"] = f'attachment; filename="{sweep.id}-table.csv"'
+    return Response(_written(form, sweep, table), media_type=MEDIA_TYPES[form], headers=headers)
+
+
+@router.get("/statistics")
+def get_statistics(
+    sweep: TheSweep, query: Annotated[ScoreQuery, Query()], store: TheStore
+) -> StatisticsAnswer:
+    """Answer what the sweep says of its entries over all tasks, with intervals."""
+    cells = _scores(store, sweep, query.score, normalized=True)
+    _refuse_too_many(cells)
+    differences = paired_differences(
+        store.curve_points(sweep.id, "return_mean"),
+        Entries(sweep.request),
+        store.random_returns(),
+        best_return,
+    )
+    return StatisticsAnswer.of(sweep.id, query.score, sweep_statistics(cells), differences)
+
+
+def _scores(store: Store, sweep: Sweep, score: Score, *, normalized: bool) -> list[CellScores]:
+    return sweep_scores(
+        store.curve_points(sweep.id, SCORES[score].metric),
+        Entries(sweep.request),
+        score,
+        store.random_returns(),
+        best_return,
+        normalized=normalized,
+    )
+
+
+def _refuse_too_many(cells: Sequence[CellScores]) -> None:
+    """Raise InvalidRequest where comparing all curves would take minutes."""
+    curves = len({cell.label for cell in cells})
+    compared = curves**2 * sum(
+        max(len(cell.seeds) for cell in own) ** 2
+        for own in grouped(cells, lambda cell: cell.spec.environment).values()
+    )
+    if compared > MAX_COMPARED:
+        message = (
+            f"its {curves} curves have {compared} pairs of runs to compare in all tasks; "
+            f"statistics are limited to {MAX_COMPARED}: submit what is to be compared by itself"
+        )
+        raise InvalidRequest([Fault("sweep", message, MAX_COMPARED)])
+
+
+def _written(form: TableForm, sweep: Sweep, table: ScoreTable) -> str:
+    title = f"{sweep.name} ({sweep.id})"
+    match form:
+        case "json":
+            return ScoreTableAnswer.of(sweep.id, table).model_dump_json()
+        case "csv":
+            return score_table_csv(table)
+        case "markdown":
+            return markdown(title, table)
+        case "latex":
+            return latex(title, table)

@@ -1,0 +1,186 @@
+"""A run, as answers show it."""
+
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from typing import Any, Self
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from service.api.schemas.number import Numbers
+from service.model.run import Attempt, Run, RunStatus
+
+MOVES = ("cancel", "pause", "resume", "retry")
+
+
+class WeightsAnswer(BaseModel):
+    """Weights of the critic's gradient terms."""
+
+    w1: float
+    w2: float
+
+
+class RunAnswer(BaseModel):
+    """A run as it stands."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "id": "3f9a0c51b7de-17",
+                    "sweep_id": "3f9a0c51b7de",
+                    "label": "hybrid-ddpg w1=0.1 w2=0.1",
+                    "algorithm": "hybrid-ddpg",
+                    "environment": "Pendulum",
+                    "environment_version": 1,
+                    "seed": 1,
+                    "weights": {"w1": 0.1, "w2": 0.1},
+                    "config": {},
+                    "timesteps": 20_000,
+                    "timestep": 4_800,
+                    "status": "running",
+                    "is_cancelling": False,
+                    "reason": "",
+                    "attempt": 1,
+                    "created_at": "2026-11-24T09:30:00.120000Z",
+                    "started_at": "2026-11-24T09:30:02.020000Z",
+                    "finished_at": None,
+                    "fingerprint": {"numpy": "2.4.6"},
+                    "resumed_timestep": 0,
+                    "checkpoint_timestep": 4_300,
+                    "memory_bytes": 2_400_000,
+                    "links": {"self": "/api/v1/runs/3f9a0c51b7de-17"},
+                }
+            ]
+        }
+    )
+
+    id: str
+    sweep_id: str
+    label: str = Field(description="The name of the entry of its sweep's request that it is of.")
+    algorithm: str
+    environment: str
+    environment_version: int
+    seed: int
+    weights: WeightsAnswer
+    config: Mapping[str, Any]
+    timesteps: int
+    timestep: int = Field(description="Environment steps reached by the current attempt.")
+    status: RunStatus
+    is_cancelling: bool
+    reason: str
+    attempt: int
+    created_at: datetime
+    started_at: datetime | None
+    finished_at: datetime | None
+    fingerprint: Mapping[str, Any] | None = Field(
+        description="What the bits depend on; mixed_with says how machines of earlier attempts "
+        "differed, whose bits the curve begins with."
+    )
+    resumed_timestep: int | None = Field(
+        description="Where the current attempt took the run up; null until its worker says."
+    )
+    checkpoint_timestep: int = Field(description="Of its newest checkpoint; 0 where it has none.")
+    memory_bytes: int | None = Field(description="What it may come to fill in its worker.")
+    links: dict[str, str]
+
+    @classmethod
+    def of(cls, run: Run, label: str) -> Self:
+        """Show a run of the entry of that name."""
+        spec = run.spec
+        link = f"/api/v1/runs/{run.id}"
+        return cls(
+            id=run.id,
+            sweep_id=run.sweep_id,
+            label=label,
+            algorithm=spec.algorithm,
+            environment=spec.environment,
+            environment_version=run.environment_version,
+            seed=spec.seed,
+            weights=WeightsAnswer(w1=spec.weights[0], w2=spec.weights[1]),
+            config=spec.config,
+            timesteps=spec.timesteps,
+            timestep=run.timestep,
+            status=run.status,
+            is_cancelling=run.is_cancelling,
+            reason=run.reason,
+            attempt=run.attempt,
+            created_at=as_time(run.created_at),
+            started_at=None if run.started_at is None else as_time(run.started_at),
+            finished_at=None if run.finished_at is None else as_time(run.finished_at),
+            fingerprint=run.fingerprint,
+            resumed_timestep=run.resumed_timestep,
+            checkpoint_timestep=run.checkpoint_timestep,
+            memory_bytes=run.memory_bytes,
+            links={
+                "self": link,
+                "sweep": f"/api/v1/sweeps/{run.sweep_id}",
+                "measurements": f"{link}/measurements",
+                "attempts": f"{link}/attempts",
+                **{move: f"{link}/{move}" for move in MOVES},
+            },
+        )
+
+
+class ListedRunAnswer(RunAnswer):
+    """A run of a list."""
+
+    sparkline: Numbers | None = Field(
+        default=None, description="return_mean so far, thinned; the last one is the latest."
+    )
+
+
+class AttemptAnswer(BaseModel):
+    """One claim of a run by a worker, and how it ended."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "attempt": 1,
+                    "worker": "worker-2",
+                    "outcome": "lost",
+                    "error": "its worker was lost",
+                    "log_tail": "",
+                    "started_at": "2026-11-24T09:30:02.020000Z",
+                    "ended_at": "2026-11-24T09:31:40.500000Z",
+                    "fingerprint": {"numpy": "2.4.6"},
+                    "resumed_timestep": 0,
+                    "note": "",
+                }
+            ]
+        }
+    )
+
+    attempt: int
+    worker: str
+    outcome: str = Field(
+        description="running, succeeded, failed, diverged, cancelled, or lost (its worker was)."
+    )
+    error: str = Field(description="A traceback or a sentence; empty while all is well.")
+    log_tail: str = Field(description="The last lines that the worker printed.")
+    started_at: datetime
+    ended_at: datetime | None
+    fingerprint: Mapping[str, Any] | None
+    resumed_timestep: int | None = Field(description="Where it took the run up.")
+    note: str = Field(description="What there was to say of its checkpoints; mostly empty.")
+
+    @classmethod
+    def of(cls, attempt: Attempt) -> Self:
+        """Show an attempt."""
+        return cls(
+            attempt=attempt.attempt,
+            worker=attempt.worker,
+            outcome=attempt.outcome,
+            error=attempt.error,
+            log_tail=attempt.log_tail,
+            started_at=as_time(attempt.started_at),
+            ended_at=None if attempt.ended_at is None else as_time(attempt.ended_at),
+            fingerprint=attempt.fingerprint,
+            resumed_timestep=attempt.resumed_timestep,
+            note=attempt.note,
+        )
+
+
+def as_time(seconds: float) -> datetime:
+    """Return seconds since 1970 as a time in UTC."""
+    return datetime.fromtimestamp(seconds, UTC)

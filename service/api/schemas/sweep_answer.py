@@ -1,0 +1,261 @@
+"""A sweep, and what one would be, as answers show them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from datetime import datetime
+from typing import Any, Self
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from service.analysis.cost import Basis, CellCost, explain, total_core_seconds, wall_seconds
+from service.analysis.figures.paper_figure import PAPER
+from service.api.schemas.number import finite_or_none
+from service.api.schemas.run_answer import MOVES, WeightsAnswer, as_time
+from service.model.entry import Entries
+from service.model.plan import Plan
+from service.model.sweep import RunCounts, Sweep, SweepStatus
+
+NOTICES_TEXT = "What whoever submits should know; empty in any other answer."
+NOTICE = (
+    "algorithms[1] (hybrid-ddpg) has the weights (0, 0) in Pendulum: without gradient terms it is "
+    "ddpg, bit for bit, and says nothing of gradient matching. It repeats algorithms[0]."
+)
+
+
+class CellAnswer(BaseModel):
+    """What the runs of one curve share."""
+
+    label: str = Field(description="The name of its entry of the request.")
+    algorithm: str
+    environment: str
+    weights: WeightsAnswer
+    config: dict[str, Any]
+    timesteps: int
+    seeds: int
+
+
+class EntryAnswer(BaseModel):
+    """An entry of a request: an algorithm with its settings and one pair of weights."""
+
+    label: str = Field(description="Its name: curves, tables, statistics and runs carry it.")
+    algorithm: str
+
+
+class RunCountsAnswer(BaseModel):
+    """How many runs stand where."""
+
+    total: int
+    queued: int
+    paused: int
+    running: int
+    succeeded: int
+    failed: int
+    diverged: int
+    cancelled: int
+
+    @classmethod
+    def of(cls, counts: RunCounts) -> Self:
+        """Show counts."""
+        return cls(total=counts.total, **asdict(counts))
+
+
+class CostAnswer(BaseModel):
+    """What runs will cost, and how that is known."""
+
+    core_seconds: float | None = Field(description="Of all seeds together; null: not known.")
+    basis: Basis = Field(description="Which finished runs it is learnt from.")
+    runs: int = Field(description="How many those are.")
+
+
+class PlannedCellAnswer(CellAnswer):
+    """A cell that would be queued."""
+
+    cost: CostAnswer
+
+
+class EstimateOfCostAnswer(BaseModel):
+    """What all cells of known cost will take together."""
+
+    core_seconds: float | None
+    wall_seconds: float | None = Field(
+        description="On `workers` workers that do nothing else; null while there are none."
+    )
+    workers: int = Field(description="Workers that are up now.")
+    explanation: str
+
+
+class DryRunAnswer(BaseModel):
+    """What a submission would queue, and about what it would cost."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "runs": {
+                        "total": 16,
+                        "queued": 16,
+                        "paused": 0,
+                        "running": 0,
+                        "succeeded": 0,
+                        "failed": 0,
+                        "diverged": 0,
+                        "cancelled": 0,
+                    },
+                    "timesteps": 320_000,
+                    "cells": [
+                        {
+                            "label": "ddpg",
+                            "algorithm": "ddpg",
+                            "environment": "Pendulum",
+                            "weights": {"w1": 0.0, "w2": 0.0},
+                            "config": {},
+                            "timesteps": 20_000,
+                            "seeds": 16,
+                            "cost": {"core_seconds": 118.4, "basis": "same settings", "runs": 48},
+                        }
+                    ],
+                    "estimate": {
+                        "core_seconds": 118.4,
+                        "wall_seconds": 118.4,
+                        "workers": 2,
+                        "explanation": "1 of 1 cells ...",
+                    },
+                    "notices": [NOTICE],
+                }
+            ]
+        }
+    )
+
+    runs: RunCountsAnswer
+    timesteps: int = Field(description="Environment steps of all runs together.")
+    cells: list[PlannedCellAnswer]
+    estimate: EstimateOfCostAnswer
+    notices: list[str] = Field(description=NOTICES_TEXT)
+
+    @classmethod
+    def of(cls, plan: Plan, costs: Sequence[CellCost], workers: int) -> Self:
+        """Show a plan and the costs of its cells."""
+        cells = [
+            PlannedCellAnswer(
+                label=label,
+                algorithm=cell.algorithm,
+                environment=cell.environment,
+                weights=WeightsAnswer(w1=cell.weights[0], w2=cell.weights[1]),
+                config=dict(cell.config),
+                timesteps=cell.timesteps,
+                seeds=len(plan.seeds),
+                cost=CostAnswer(
+                    core_seconds=finite_or_none(cost.core_seconds),
+                    basis=cost.basis,
+                    runs=cost.runs,
+                ),
+            )
+            for label, cell, cost in zip(plan.labels, plan.cells, costs, strict=True)
+        ]
+        counts = RunCountsAnswer.of(RunCounts(queued=plan.runs))
+        estimate = EstimateOfCostAnswer(
+            core_seconds=finite_or_none(total_core_seconds(costs)),
+            wall_seconds=finite_or_none(wall_seconds(costs, workers)),
+            workers=workers,
+            explanation=explain(costs),
+        )
+        return cls(
+            runs=counts,
+            timesteps=plan.timesteps,
+            cells=cells,
+            estimate=estimate,
+            notices=list(plan.notices),
+        )
+
+
+class SweepAnswer(BaseModel):
+    """A sweep as it stands."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "id": "3f9a0c51b7de",
+                    "name": "weights on Pendulum",
+                    "created_at": "2026-11-24T09:30:00.120000Z",
+                    "priority": 0,
+                    "status": "running",
+                    "runs": {
+                        "total": 48,
+                        "queued": 16,
+                        "paused": 0,
+                        "running": 32,
+                        "succeeded": 0,
+                        "failed": 0,
+                        "diverged": 0,
+                        "cancelled": 0,
+                    },
+                    "progress": 0.25,
+                    "eta_seconds": 310.5,
+                    "request": {"name": "weights on Pendulum", "seeds": 16},
+                    "entries": [
+                        {"label": "ddpg", "algorithm": "ddpg"},
+                        {"label": "hybrid-ddpg", "algorithm": "hybrid-ddpg"},
+                    ],
+                    "notices": [NOTICE],
+                    "links": {"self": "/api/v1/sweeps/3f9a0c51b7de"},
+                }
+            ]
+        }
+    )
+
+    id: str
+    name: str
+    created_at: datetime
+    priority: int
+    status: SweepStatus
+    runs: RunCountsAnswer
+    progress: float = Field(
+        description="Share of the asked timesteps that is done, 0 to 1: a run that reached its end "
+        "counts whole, any other as far as it got."
+    )
+    eta_seconds: float | None
+    request: Mapping[str, Any] = Field(description="What was posted.")
+    entries: list[EntryAnswer] = Field(description="What it compares, in the request's order.")
+    notices: list[str] = Field(description=NOTICES_TEXT)
+    links: dict[str, str]
+
+    @classmethod
+    def of(cls, sweep: Sweep, notices: Sequence[str] = ()) -> Self:
+        """Show a sweep, with notices if it was submitted just now."""
+        link = f"/api/v1/sweeps/{sweep.id}"
+        figures = figures_of(sweep.request)
+        parts = ("runs", "curves", "table", "statistics", "events", *MOVES)
+        return cls(
+            id=sweep.id,
+            name=sweep.name,
+            created_at=as_time(sweep.created_at),
+            priority=sweep.priority,
+            status=sweep.status,
+            runs=RunCountsAnswer.of(sweep.runs),
+            progress=sweep.progress,
+            eta_seconds=sweep.eta_seconds,
+            request=sweep.request,
+            entries=[
+                EntryAnswer(label=entry.label, algorithm=entry.algorithm)
+                for entry in Entries(sweep.request).all
+            ],
+            notices=list(notices),
+            links={
+                "self": link,
+                "page": f"/sweeps/{sweep.id}",
+                **{part: f"{link}/{part}" for part in parts},
+                "plot": f"{link}/plot.png",
+                **{f"figure_{number}": f"{link}/figures/{number}.png" for number in figures},
+            },
+        )
+
+
+def figures_of(request: Mapping[str, Any]) -> list[str]:
+    """The numbers of the paper's figures that a sweep has runs for."""
+    everywhere = request.get("environments", ())
+    environments = {
+        algorithm["name"]: algorithm.get("environments") or everywhere
+        for algorithm in request.get("algorithms", ())
+    }
+    return [number for number, each in PAPER.items() if each.has_runs(environments)]

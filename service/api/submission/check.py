@@ -1,0 +1,151 @@
+"""What can be wrong with a posted sweep beyond the form of its fields."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any, TypeVar
+
+from pydantic import ValidationError
+
+from algorithms import catalogue
+from algorithms.catalogue import Algorithm
+from service.api.problems import Fault, faults_of, printable
+from service.api.schemas.sweep_request import MAX_RUNS, AlgorithmRequest, SweepRequest, Weights
+from service.api.submission.nearest import unknown_name
+from service.model.environment import environment_facts
+
+Value = TypeVar("Value")
+
+
+def cap_faults(request: SweepRequest) -> list[Fault]:
+    """Count the product without expanding it, and refuse one above the cap."""
+    curves = sum(
+        len(_listed(each))
+        for each in request.algorithms
+        for environment in request.environments
+        if each.runs_in(environment)
+    )
+    seeds = request.seeds if isinstance(request.seeds, int) else len(request.seeds)
+    if (runs := curves * seeds) <= MAX_RUNS:
+        return []
+    message = (
+        f"{curves} pairs of algorithm (with its weights) and environment, times {seeds} seeds, are "
+        f"{runs} runs; a sweep has at most {MAX_RUNS}"
+    )
+    return [Fault("seeds", message, MAX_RUNS)]
+
+
+def name_faults(request: SweepRequest) -> list[Fault]:
+    """Refuse names that are not in the catalogues."""
+    algorithms = [(f"algorithms[{i}].name", each.name) for i, each in enumerate(request.algorithms)]
+    environments = [(f"environments[{i}]", name) for i, name in enumerate(request.environments)]
+    return [*_unknown(algorithms, catalogue.find), *_unknown(environments, environment_facts)]
+
+
+def product_faults(request: SweepRequest) -> list[Fault]:
+    """Refuse repeated seeds and environments, and what an algorithm cannot do.
+
+    Of algorithms that are not in the catalogue, `name_faults` tells.
+    """
+    seeds = [] if isinstance(request.seeds, int) else request.seeds
+    return [
+        *_repeated({f"seeds[{i}]": seed for i, seed in enumerate(seeds)}),
+        *_repeated({f"environments[{i}]": name for i, name in enumerate(request.environments)}),
+        *_environments_faults(request),
+        *_useless_weights(request),
+        *_wrong_settings(request),
+        *_impossible_pairs(request),
+    ]
+
+
+def _unknown(named: Iterable[tuple[str, str]], find: Callable[[str], object]) -> list[Fault]:
+    """Ask a catalogue, which knows the nearest name, for each."""
+    faults = []
+    for field, name in named:
+        try:
+            find(name)
+        except ValueError as unknown:
+            faults.append(Fault(field, str(unknown)))
+    return faults
+
+
+def _repeated(values: Mapping[str, Value]) -> list[Fault]:
+    """Refuse a value that stands in two fields."""
+    first: dict[Value, str] = {}
+    return [
+        Fault(field, f"is the same as {first[value]}: every run of a sweep is a different one")
+        for field, value in values.items()
+        if first.setdefault(value, field) != field
+    ]
+
+
+def _environments_faults(request: SweepRequest) -> Iterator[Fault]:
+    """Refuse an algorithm's environment that is none of the sweep's, or stands there twice."""
+    for i, algorithm in enumerate(request.algorithms):
+        own = {
+            f"algorithms[{i}].environments[{j}]": name
+            for j, name in enumerate(algorithm.environments or [])
+        }
+        yield from _repeated(own)
+        for field, name in own.items():
+            if name not in request.environments:
+                yield Fault(field, f"{printable(name)!r} is none of the sweep's environments")
+
+
+def _known(request: SweepRequest) -> Iterator[tuple[int, AlgorithmRequest, Algorithm]]:
+    """Yield the algorithms that the catalogue has, each with its place in the request."""
+    for i, each in enumerate(request.algorithms):
+        if not _unknown([("", each.name)], catalogue.find):
+            yield i, each, catalogue.find(each.name)
+
+
+def _useless_weights(request: SweepRequest) -> list[Fault]:
+    return [
+        Fault(
+            f"algorithms[{i}].weights",
+            f"{asked.name} has no gradient terms to weigh: leave the weights out, or 0",
+            0,
+        )
+        for i, asked, algorithm in _known(request)
+        if not algorithm.uses_weights
+        and any(weights and (weights.w1 or weights.w2) for weights in _listed(asked))
+    ]
+
+
+def _wrong_settings(request: SweepRequest) -> Iterator[Fault]:
+    """Refuse settings that the algorithm's config class does not take."""
+    for i, asked, algorithm in _known(request):
+        settings = algorithm.config_class()
+        try:
+            settings(**asked.config)
+        except ValidationError as refusal:
+            for error in refusal.errors():
+                yield _settings_fault(f"algorithms[{i}].config", error, settings)
+
+
+def _settings_fault(field: str, error: Mapping[str, Any], settings: type[Any]) -> Fault:
+    name = error["loc"][0]
+    if error["type"] == "unexpected_keyword_argument":
+        return unknown_name(f"{field}.{name}", name, list(settings.__dataclass_fields__))
+    return faults_of([{**error, "loc": (field, *error["loc"])}])[0]
+
+
+def _impossible_pairs(request: SweepRequest) -> list[Fault]:
+    return [
+        Fault(
+            f"environments[{j}]",
+            f"{asked.name} (algorithms[{i}]) needs the gradient of the reward, and "
+            f"{environment} has none: its reward is piecewise constant. Leave one of them out.",
+        )
+        for i, asked, algorithm in _known(request)
+        if algorithm.needs_reward_gradient
+        for j, environment in enumerate(request.environments)
+        if asked.runs_in(environment)
+        and not _unknown([("", environment)], environment_facts)
+        and not environment_facts(environment).reward_is_differentiable
+    ]
+
+
+def _listed(algorithm: AlgorithmRequest) -> list[Weights] | list[None]:
+    """Return the pairs of weights; one None where the preset's are asked for."""
+    if algorithm.weights is None:
+        return [None]
+    return [algorithm.weights] if isinstance(algorithm.weights, Weights) else algorithm.weights

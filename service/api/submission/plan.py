@@ -1,0 +1,63 @@
+"""From a posted sweep to its plan, or to all that is wrong with it."""
+
+from collections.abc import Sequence
+
+from algorithms.measurement import MEASURE_EVERY
+from algorithms.presets import completed, preset
+from service.api.problems import Fault, InvalidRequest
+from service.api.schemas.sweep_request import SweepRequest
+from service.api.submission.check import cap_faults, name_faults, product_faults
+from service.api.submission.memory import memory_faults
+from service.api.submission.same_curve import notices, repetition_faults
+from service.model.entry import Entries, Entry
+from service.model.plan import Plan
+from workers.messages.run_spec import RunSpec
+
+
+def plan(request: SweepRequest, worker_memory: int) -> Plan:
+    """Return the plan of a sweep.
+
+    Raises InvalidRequest with everything that is wrong: first for a product above the cap, which
+    is counted and not expanded, then for what its parts and its cells ask, then for runs that would
+    fill more than the worker's memory.
+    """
+    _refuse(cap_faults(request))
+    seeds = range(request.seeds) if isinstance(request.seeds, int) else tuple(request.seeds)
+    entries = Entries(request.model_dump(mode="json", exclude_unset=True))
+    cells = [
+        (entry, _spec(entry, environment, request, seeds[0]))
+        for environment, entry in entries.cells
+    ]
+    _refuse([*name_faults(request), *product_faults(request), *repetition_faults(cells)])
+    _refuse(list(memory_faults(cells, worker_memory)))
+    return Plan(
+        cells=tuple(spec for _, spec in cells),
+        labels=tuple(entry.label for entry, _ in cells),
+        seeds=seeds,
+        notices=tuple(notices(cells)),
+    )
+
+
+def _refuse(faults: Sequence[Fault]) -> None:
+    if faults:
+        raise InvalidRequest(faults)
+
+
+def _spec(entry: Entry, environment: str, request: SweepRequest, seed: int) -> RunSpec:
+    """Return the entry's cell in one environment; what it does not state is the preset's."""
+    usual = preset(entry.algorithm, environment)
+    return RunSpec(
+        algorithm=entry.algorithm,
+        environment=environment,
+        seed=seed,
+        weights=usual.weights if entry.weights is None else entry.weights,
+        timesteps=_scaled(request.timesteps or usual.timesteps, request.scale),
+        config=completed(entry.algorithm, environment, entry.config),
+    )
+
+
+def _scaled(timesteps: int, scale: float) -> int:
+    """Return that share of the timesteps, in whole measurements."""
+    if scale == 1.0:
+        return timesteps
+    return max(round(scale * timesteps / MEASURE_EVERY), 1) * MEASURE_EVERY

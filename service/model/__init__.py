@@ -1,0 +1,1 @@
+"""The model: the nouns that the service works with."""

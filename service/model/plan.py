@@ -1,0 +1,48 @@
+"""A plan: a sweep before it is stored. Its cells (curves) times its seeds are the runs."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from service.model.environment import environment_facts
+from workers.messages.run_spec import RunSpec
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A sweep before it is stored.
+
+    cells    one spec per curve; its seed is the first one
+    labels   of the entries that the cells are of
+    seeds    of every cell
+    notices  what whoever submits it should know
+    """
+
+    cells: tuple[RunSpec, ...]
+    labels: tuple[str, ...]
+    seeds: Sequence[int]
+    notices: tuple[str, ...]
+
+    @property
+    def runs(self) -> int:
+        """How many runs there will be."""
+        return len(self.cells) * len(self.seeds)
+
+    @property
+    def timesteps(self) -> int:
+        """Environment steps of all runs together."""
+        return sum(cell.timesteps for cell in self.cells) * len(self.seeds)
+
+    @property
+    def algorithms(self) -> frozenset[str]:
+        """Their names."""
+        return frozenset(cell.algorithm for cell in self.cells)
+
+    @property
+    def environment_versions(self) -> Mapping[str, int]:
+        """Under which version of its numbers each environment is run."""
+        names = {cell.environment for cell in self.cells}
+        return {name: environment_facts(name).version for name in names}
+
+    def specs(self) -> list[RunSpec]:
+        """Every run, those of a cell together: they are trained together."""
+        return [replace(cell, seed=seed) for cell in self.cells for seed in self.seeds]

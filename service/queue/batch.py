@@ -1,0 +1,42 @@
+"""What is done at once: reports of different workers, writes of what they said, claims for them.
+
+So the news of many workers are one transaction, and a thousand of them cost one wait for the disk.
+"""
+
+from collections import deque
+from collections.abc import Mapping, Sequence
+from itertools import islice, takewhile
+
+from service.queue.messages import ClaimCohort, Command, Event, PoolLost, Record
+
+TOGETHER: Mapping[type[Command], int] = {Record: 256, ClaimCohort: 32}
+"""How many are carried out in one transaction, so that it holds nothing else up for long."""
+
+
+def take_next(events: deque[Event]) -> list[Event]:
+    """Take the first report of each worker out, in order; the loss of the pool only when first.
+
+    Reports of different workers have nothing to do with each other; those of one keep their order.
+    """
+    if events and isinstance(events[0], PoolLost):
+        return [events.popleft()]
+    first: dict[str, Event] = {}
+    later: list[Event] = []
+    while events and not isinstance(events[0], PoolLost):
+        event = events.popleft()
+        if first.setdefault(_worker(event), event) is not event:
+            later.append(event)
+    events.extendleft(reversed(later))
+    return list(first.values())
+
+
+def _worker(event: Event) -> str:
+    """Who an event is about."""
+    return getattr(event, "worker", "")
+
+
+def next_together(commands: Sequence[Command]) -> list[Command]:
+    """Return the commands at the head that are carried out at once: of one kind, or just one."""
+    kind = type(commands[0])
+    alike = takewhile(lambda command: type(command) is kind, commands)
+    return list(islice(alike, TOGETHER.get(kind, 1)))

@@ -1,0 +1,169 @@
+"""What the scheduler is told (events), and what it commands."""
+
+from dataclasses import dataclass
+
+from service.model.claim import Claim
+from workers.messages.report import News, Report
+from workers.messages.work import Work
+
+Version = tuple[str, int]
+"""An environment and the version of its numbers."""
+
+
+# ---- events
+
+
+@dataclass(frozen=True)
+class Tick:
+    """A round has begun, and every report that had come by then was given before."""
+
+
+@dataclass(frozen=True)
+class PoolLost:
+    """The pool cannot be had, or is no more. `noticed` is the time of day."""
+
+    reason: str
+    noticed: str
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """News are in the store; `held` are the runs of the claim that go on."""
+
+    news: News
+    held: frozenset[str]
+
+
+@dataclass(frozen=True)
+class Cancelling:
+    """The running runs whose cancelling was asked for."""
+
+    runs: frozenset[str]
+
+
+@dataclass(frozen=True)
+class Waiting:
+    """How many runs of each cell could be claimed, and whose random return is known.
+
+    No more than `limit` runs were counted.
+    """
+
+    cells: tuple[int, ...]
+    limit: int
+    random_returns: frozenset[Version]
+
+
+@dataclass(frozen=True)
+class Claimed:
+    """What a claim for a worker got; None where nothing waits any more."""
+
+    worker: str
+    claim: Claim | None
+
+
+Event = Report | Tick | PoolLost | Recorded | Cancelling | Waiting | Claimed
+
+
+# ---- commands
+
+
+@dataclass(frozen=True)
+class Record:
+    """Write news under a claim. Answer: Recorded."""
+
+    claim: Claim
+    news: News
+
+
+@dataclass(frozen=True)
+class Lose:
+    """Queue what is left of a claim again: its worker was lost."""
+
+    claim: Claim
+    reason: str
+    log_tail: str = ""
+
+
+@dataclass(frozen=True)
+class Release:
+    """Queue what is left of a claim again at once: nothing was wrong with it."""
+
+    claim: Claim
+    reason: str
+
+
+@dataclass(frozen=True)
+class Fail:
+    """End what is left of a claim: its code raised."""
+
+    claim: Claim
+    error: str
+    log_tail: str
+
+
+@dataclass(frozen=True)
+class LoseExpired:
+    """Queue runs again whose lease has ended."""
+
+
+@dataclass(frozen=True)
+class AskCancelling:
+    """Answer: Cancelling."""
+
+
+@dataclass(frozen=True)
+class AskWaiting:
+    """Count no more runs than that. Answer: Waiting."""
+
+    limit: int
+
+
+@dataclass(frozen=True)
+class ClaimCohort:
+    """Claim up to `limit` runs of one cell. Answer: Claimed."""
+
+    worker: str
+    lease_seconds: float
+    limit: int
+
+
+@dataclass(frozen=True)
+class StartPool:
+    """Bring workers up."""
+
+
+@dataclass(frozen=True)
+class Demand:
+    """There is work for so many workers."""
+
+    workers: int
+
+
+@dataclass(frozen=True)
+class Train:
+    """Have a worker train a cohort."""
+
+    worker: str
+    work: Work
+
+
+@dataclass(frozen=True)
+class Drop:
+    """Have a worker train these seeds no further."""
+
+    worker: str
+    seeds: frozenset[int]
+
+
+@dataclass(frozen=True)
+class Kill:
+    """End a worker's process."""
+
+    worker: str
+
+
+StoreCommand = (
+    Record | Lose | Release | Fail | LoseExpired | AskCancelling | AskWaiting | ClaimCohort
+)
+PoolCommand = StartPool | Demand | Train | Drop | Kill
+Command = StoreCommand | PoolCommand

@@ -1,0 +1,385 @@
+"""The queue's decisions, as a pure state machine.
+
+    step: (state, event, now) -> (state, commands)
+
+Events are what the pool reports, what the store answers, and ticks; commands are writes and
+questions to the store, and orders to the pool (`service/queue/messages.py`). There is no
+thread, no clock and no store in here: `service/queue/dispatch.py` carries the commands out.
+
+The answer to a command is the next event. A command to the store may be carried out again where its
+answer was lost: every write is fenced by the attempts of its claim, so a second one changes
+nothing, and a claim that nobody heard of ends with its lease. What is kept here can be lost at any
+time for the same reason.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+from service.model.claim import Claim
+from service.queue.cohort_size import cohort_size, cohorts
+from service.queue.messages import (
+    AskCancelling,
+    AskWaiting,
+    Cancelling,
+    ClaimCohort,
+    Claimed,
+    Command,
+    Demand,
+    Drop,
+    Event,
+    Fail,
+    Kill,
+    Lose,
+    LoseExpired,
+    PoolLost,
+    Record,
+    Recorded,
+    Release,
+    StartPool,
+    Tick,
+    Train,
+    Version,
+    Waiting,
+)
+from workers.messages.report import Busy, Capacity, Ended, Failed, Lost, News, Ready, Retired
+from workers.messages.run_spec import COHORT_LIMIT
+from workers.messages.work import Work
+
+REPORTS_A_SECOND = 200
+"""Of all workers together. Where there are more, each reports less often: what they measure comes
+in fewer transactions, and the cost of a report is for the most part one of its sixteen runs."""
+WORKERS_STARTING = "the cluster's workers are starting"
+NO_ROOM = (
+    "the cluster has no room to train: runs wait until a node has joined it, or its autoscaler has "
+    "added one, with a core (`ray start --address=... --num-cpus=...`) and, where "
+    "D3PG_WORKER_MEMORY is set, with that much memory and 300 MB"
+)
+
+DEMANDED_COHORTS = 256
+"""So many that wait are counted: more workers than that are not called for at a time."""
+
+
+@dataclass(frozen=True)
+class DispatchTimes:
+    """All in seconds.
+
+    report   between two reports of a worker, where there are few
+    longest_report  the same where there are many: several of them to a lease
+    lease    a worker that is not heard of for so long has lost its runs
+    grace    a worker that was told to drop a run has so long to do so before it is killed
+    round    longest wait for reports; how late a cancelling or a new sweep is seen
+    expiry   between two looks for expired leases
+    demand   between two looks at how much work there is, where no worker is idle
+    restart  before a pool that failed is started again, doubled each time up to `longest_restart`
+    """
+
+    report: float = 1.0
+    longest_report: float = 5.0
+    lease: float = 15.0
+    grace: float = 5.0
+    round: float = 0.1
+    expiry: float = 1.0
+    demand: float = 2.0
+    restart: float = 1.0
+    longest_restart: float = 30.0
+
+
+@dataclass(frozen=True)
+class Cohort:
+    """What a worker is training.
+
+    name      that of its first claim; what the worker calls it
+    claim     on those of its runs that are still its own
+    heard_at  when it was last heard of
+    measures  the task whose random return it was asked to measure
+    dropped   since when each run that it was told to drop has been so
+    """
+
+    name: str
+    claim: Claim
+    heard_at: float
+    measures: Version | None = None
+    dropped: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class State:
+    """All that is known between two events.
+
+    idle             workers without work, in the order they became so
+    cohorts          what each of the others trains
+    random_returns   environments whose random return the store knew at the last look
+    pool_is_up       the pool was started and has not been lost
+    problem          why no run can start now, a sentence; empty while they can
+    lost_since       time of day at which the pool was lost; empty while it is there
+    restart_at       when a lost pool is started again
+    restart_wait     how long after the next loss
+    ticked_at        the last tick; None before the first
+    expiry_at        when expired leases are looked for
+    capacity         how many workers the cluster has room for
+    demand           how many workers the pool was told there is work for; None: it was not told yet
+    demand_at        when that is looked at again
+    """
+
+    idle: tuple[str, ...] = ()
+    cohorts: Mapping[str, Cohort] = field(default_factory=dict)
+    random_returns: frozenset[Version] = frozenset()
+    pool_is_up: bool = False
+    problem: str = "the cluster is starting"
+    lost_since: str = ""
+    restart_at: float = -math.inf
+    restart_wait: float = 0.0
+    ticked_at: float | None = None
+    expiry_at: float = -math.inf
+    capacity: int = 0
+    demand: int | None = None
+    demand_at: float = -math.inf
+
+    @property
+    def free_cores(self) -> int:
+        """Those of idle workers, and those that the pool can bring more workers up on."""
+        return max(len(self.idle), self.capacity - len(self.cohorts))
+
+
+Step = tuple[State, list[Command]]
+
+
+def step(  # noqa: PLR0911, PLR0912  (one an event)
+    state: State, event: Event, now: float, times: DispatchTimes
+) -> Step:
+    """Take one event into account, and say what is to be done."""
+    match event:
+        case Tick():
+            return _tick(state, now, times)
+        case Ready(worker):
+            known = worker in state.idle or worker in state.cohorts
+            return _up(state) if known else _free(_up(state), worker), []
+        case Busy(worker, cohort, note) if worker not in state.cohorts:
+            return _with(_up(state), worker, Cohort(cohort, Claim.from_json(note), now)), []
+        case News(worker, cohort) if _trains(state, worker, cohort):
+            heard = replace(state.cohorts[worker], heard_at=now)
+            return _with(state, worker, heard), [Record(heard.claim, event)]
+        case Recorded(news) if _trains(state, news.worker, news.cohort):
+            return _recorded(state, event)
+        case Ended(worker, cohort) if _trains(state, worker, cohort):
+            claim = state.cohorts[worker].claim
+            lose = Lose(claim, "its worker ended before it did")
+            return _free(state, worker), [lose] if claim.runs else []
+        case Failed(worker, cohort, error, log_tail) if _trains(state, worker, cohort):
+            fail = Fail(state.cohorts[worker].claim, error, log_tail)
+            return _free(state, worker), [fail]
+        case Lost(worker, reason, log_tail):
+            return _lost(state, worker, reason, log_tail)
+        case Retired(worker):
+            return _retired(state, worker)
+        case Capacity():
+            return _room(state, event), []
+        case PoolLost():
+            return _pool_lost(state, event, now, times)
+        case Cancelling(runs):
+            return _cancel(state, runs, now, times)
+        case Waiting():
+            return _waiting(state, event, times)
+        case Claimed(worker, claim):
+            return _claimed(state, worker, claim, now, times)
+        case _:  # of a cohort that was given up, or heard before
+            return state, []
+
+
+def _tick(state: State, now: float, times: DispatchTimes) -> Step:
+    """Do what is due: start the pool, give up the silent, look for what changed in the store."""
+    commands: list[Command] = []
+    if not state.pool_is_up and now >= state.restart_at:
+        state = replace(state, pool_is_up=True)
+        commands.append(StartPool())
+    state = _forgive_the_unheard(state, now, times)
+    for worker, cohort in state.cohorts.items():
+        if (silent := now - cohort.heard_at) > times.lease:
+            state = _without(state, worker)
+            reason = f"its worker was silent for {silent:.0f} s"
+            commands += [Kill(worker), Lose(cohort.claim, reason)]
+    if state.cohorts:
+        commands.append(AskCancelling())
+    if now >= state.expiry_at:
+        state = replace(state, expiry_at=now + times.expiry)
+        commands.append(LoseExpired())
+    is_due = now >= state.demand_at
+    if is_due:
+        state = replace(state, demand_at=now + times.demand)
+    if is_due or state.idle:
+        commands.append(_ask_waiting(state, DEMANDED_COHORTS if is_due else 0))
+    return replace(state, ticked_at=now), commands
+
+
+def _forgive_the_unheard(state: State, now: float, times: DispatchTimes) -> State:
+    """Time in which nobody listened is no worker's silence, and no lease could be renewed in it.
+
+    So it was before the first tick, and while this process was frozen.
+    """
+    deaf = math.inf if state.ticked_at is None else now - state.ticked_at
+    if deaf <= times.lease / 3:
+        return state
+    cohorts = {
+        worker: replace(cohort, heard_at=max(cohort.heard_at, now))
+        for worker, cohort in state.cohorts.items()
+    }
+    return replace(state, cohorts=cohorts, expiry_at=now + times.lease)
+
+
+# ---- what the pool says
+
+
+def _recorded(state: State, recorded: Recorded) -> Step:
+    """Runs that are no longer ours are to be trained no further."""
+    worker, progress = recorded.news.worker, recorded.news.progress
+    cohort = state.cohorts[worker]
+    taken_away = (
+        frozenset(run.spec.seed for run in cohort.claim.runs if run.run_id not in recorded.held)
+        - progress.gone
+    )
+    kept = replace(cohort, claim=cohort.claim.only(recorded.held))
+    return _with(state, worker, kept), [Drop(worker, taken_away)] if taken_away else []
+
+
+def _up(state: State) -> State:
+    """Return the state with a pool that has been heard of."""
+    return replace(state, problem="", lost_since="", restart_wait=0.0)
+
+
+def _room(state: State, room: Capacity) -> State:
+    """Take what the cluster has room for into account; the workers may all be yet to come."""
+    state = replace(_up(state), capacity=room.workers)
+    if not room.workers:
+        return replace(state, problem=NO_ROOM)
+    is_starting = room.slots and not (state.idle or state.cohorts)
+    return replace(state, problem=WORKERS_STARTING if is_starting else "")
+
+
+def _retired(state: State, worker: str) -> Step:
+    """Put back at once what the worker was given too late."""
+    cohort = state.cohorts.get(worker)
+    reason = "its worker was retired before it began"
+    return _without(state, worker), [] if cohort is None else [Release(cohort.claim, reason)]
+
+
+def _lost(state: State, worker: str, reason: str, log_tail: str) -> Step:
+    cohort = state.cohorts.get(worker)
+    return _without(state, worker), [] if cohort is None else [Lose(cohort.claim, reason, log_tail)]
+
+
+def _pool_lost(state: State, lost: PoolLost, now: float, times: DispatchTimes) -> Step:
+    """Every worker is lost with its pool, which is started again after a pause."""
+    reason = "its worker was lost with the cluster"
+    commands: list[Command] = [Lose(cohort.claim, reason) for cohort in state.cohorts.values()]
+    since = state.lost_since or lost.noticed
+    wait = state.restart_wait or times.restart
+    gone = replace(
+        state,
+        idle=(),
+        cohorts={},
+        pool_is_up=False,
+        problem=f"the cluster is unreachable since {since}: {lost.reason}",
+        lost_since=since,
+        restart_at=now + wait,
+        restart_wait=min(2 * wait, times.longest_restart),
+        capacity=0,
+        demand=None,
+    )
+    return gone, commands
+
+
+# ---- what the store says
+
+
+def _cancel(state: State, runs: frozenset[str], now: float, times: DispatchTimes) -> Step:
+    """Have cancelled runs dropped; end the workers that did not do so within the grace."""
+    commands: list[Command] = []
+    for worker, cohort in state.cohorts.items() if runs else ():
+        asked = {run.run_id: run.spec.seed for run in cohort.claim.runs if run.run_id in runs}
+        if any(now - cohort.dropped.get(run, now) > times.grace for run in asked):
+            state = _without(state, worker)
+            reason = "its worker was ended to cancel a neighbour"
+            commands += [Kill(worker), Release(cohort.claim, reason)]
+        elif fresh := asked.keys() - cohort.dropped.keys():
+            dropped = {**cohort.dropped, **dict.fromkeys(fresh, now)}
+            state = _with(state, worker, replace(cohort, dropped=dropped))
+            commands.append(Drop(worker, frozenset(asked[run] for run in fresh)))
+    return state, commands
+
+
+def _waiting(state: State, waiting: Waiting, times: DispatchTimes) -> Step:
+    """Claim for idle workers, the longest idle first; say how many workers there is work for."""
+    state = replace(state, random_returns=waiting.random_returns)
+    size = cohort_size(waiting.cells, state.free_cores)
+    ready = cohorts(waiting.cells, size)
+    demand = len(state.cohorts) + ready
+    commands: list[Command] = []
+    is_counted = sum(waiting.cells) < waiting.limit or demand > (state.demand or 0)
+    if state.pool_is_up and is_counted and demand != state.demand:
+        state = replace(state, demand=demand)
+        commands.append(Demand(demand))
+    commands += [ClaimCohort(worker, times.lease, size) for worker in state.idle[:ready]]
+    return state, commands
+
+
+def _claimed(
+    state: State, worker: str, claim: Claim | None, now: float, times: DispatchTimes
+) -> Step:
+    """Have the claim trained."""
+    if claim is None:
+        return state, []
+    if worker not in state.idle:
+        return state, [Release(claim, "its worker was lost before it began")]
+    first = claim.runs[0]
+    version = (first.spec.environment, first.environment_version)
+    in_measurement = {cohort.measures for cohort in state.cohorts.values()}
+    is_known = version in state.random_returns or version in in_measurement
+    cohort = Cohort(claim.name, claim, now, None if is_known else version)
+    state = _with(state, worker, cohort)
+    work = Work(
+        cohort.name,
+        claim.assignments,
+        not is_known,
+        note=claim.to_json(),
+        report_seconds=_report_seconds(state, times),
+    )
+    return state, [Train(worker, work)]
+
+
+def _report_seconds(state: State, times: DispatchTimes) -> float:
+    """How often a worker is to report, so that all of them do not say too much."""
+    workers = len(state.idle) + len(state.cohorts)
+    return min(max(times.report, workers / REPORTS_A_SECOND), times.longest_report)
+
+
+def _ask_waiting(state: State, cohorts: int = 0) -> AskWaiting:
+    """Ask for as much as the free cores, or so many workers, could have at once."""
+    return AskWaiting(max(state.free_cores, cohorts) * COHORT_LIMIT)
+
+
+# ---- changes of state
+
+
+def _with(state: State, worker: str, cohort: Cohort) -> State:
+    """Return the state with the worker training that."""
+    idle = tuple(name for name in state.idle if name != worker)
+    return replace(state, idle=idle, cohorts={**state.cohorts, worker: cohort})
+
+
+def _without(state: State, worker: str) -> State:
+    """Return the state without the worker."""
+    idle = tuple(name for name in state.idle if name != worker)
+    cohorts = {name: cohort for name, cohort in state.cohorts.items() if name != worker}
+    return replace(state, idle=idle, cohorts=cohorts)
+
+
+def _free(state: State, worker: str) -> State:
+    """Return the state with the worker idle, behind the others."""
+    state = _without(state, worker)
+    return replace(state, idle=(*state.idle, worker))
+
+
+def _trains(state: State, worker: str, cohort: str) -> bool:
+    """Whether that is what the worker is training."""
+    return worker in state.cohorts and state.cohorts[worker].name == cohort

@@ -1,0 +1,1 @@
+"""Claiming: what changes a run's status."""

@@ -1,0 +1,167 @@
+"""Where runs were taken up, which checkpoint each has, and whose are to be removed.
+
+The worker alone can say where it took a run up, for it alone has seen whether the checkpoints are
+whole. It says so once, together with its fingerprint and all that the run had measured by then.
+Points that an attempt of the same fingerprint measured beyond are the same bits as those to come
+and stay; an attempt of another fingerprint had other bits, and all its points go in the transaction
+that brings those of the checkpoint: a curve is never made of two.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from sqlalchemy import Connection, Row, delete, select, update
+
+from service.model.run import FINAL, RunStatus
+from service.store.claiming.claims import of_attempt, of_run, told
+from service.store.reading import events
+from service.store.reading.runs import ordinal_of, run_name
+from service.store.tables import attempts, measurements, runs, sweeps
+from workers.messages.progress import CheckpointAttempt, Progress, Resumption
+
+Rows = Mapping[int, Row[Any]]
+"""Runs by their seed."""
+Start = tuple[Row[Any], Mapping[str, Any], Resumption]
+"""A run, the fingerprint of its attempt, and where it was taken up."""
+
+
+def begin(connection: Connection, begun: Sequence[tuple[Rows, Progress]]) -> None:
+    """Note what the bits of attempts depend on, and where each takes its runs up."""
+    starts = [
+        (row, _fingerprint(progress, resumed), resumed)
+        for held, progress in begun
+        for row, resumed in _resumed(held, progress)
+    ]
+    if not starts:
+        return
+    _forget_other_bits(connection, starts)
+    connection.execute(
+        update(runs).where(of_run),
+        [
+            {
+                "of_run": row.number,
+                "fingerprint": fingerprint,
+                "timestep": resumed.timestep,
+                "resumed_timestep": resumed.timestep,
+                "checkpoint_timestep": resumed.timestep,
+            }
+            for row, fingerprint, resumed in starts
+        ],
+    )
+    connection.execute(
+        update(attempts).where(of_attempt),
+        [
+            {
+                "of_run": row.number,
+                "of_attempt": row.attempt,
+                "fingerprint": fingerprint,
+                "resumed_timestep": resumed.timestep,
+                "note": resumed.note,
+            }
+            for row, fingerprint, resumed in starts
+        ],
+    )
+    _say(connection, [(row, r.note, r.timestep) for row, _, r in starts if row.attempt > 1])
+
+
+def _resumed(held: Rows, progress: Progress) -> Iterator[tuple[Row[Any], Resumption]]:
+    """Each run with where it was taken up."""
+    told = {resumption.seed: resumption for resumption in progress.resumed}
+    for seed, row in held.items():
+        yield row, told.get(seed, Resumption(seed, 0))
+
+
+def _fingerprint(progress: Progress, resumed: Resumption) -> Mapping[str, Any]:
+    mixed = {"mixed_with": list(resumed.mixed_with)} if resumed.mixed_with else {}
+    return {**progress.fingerprint, **mixed}
+
+
+def _forget_other_bits(connection: Connection, starts: Sequence[Start]) -> None:
+    """Delete the points of runs whose earlier attempts had another fingerprint."""
+    numbers = [row.number for row, _, _ in starts if row.attempt > 1]
+    query = select(runs.c.number, runs.c.fingerprint).where(runs.c.number.in_(numbers))
+    earlier = {row.number: row.fingerprint for row in connection.execute(query)} if numbers else {}
+    others = [
+        row.number
+        for row, fingerprint, _ in starts
+        if (other := earlier.get(row.number)) is not None and other != fingerprint
+    ]
+    if others:
+        connection.execute(delete(measurements).where(measurements.c.run_number.in_(others)))
+
+
+def note(
+    connection: Connection, written: Sequence[tuple[Rows, Sequence[CheckpointAttempt]]]
+) -> None:
+    """Note each run's newest checkpoint, or in its reason why one could not be written.
+
+    The reason goes on saying what there was to say of where the run was taken up.
+    """
+    newest = {
+        held[entry.seed].number: (held[entry.seed], entry)
+        for held, entries in written
+        for entry in entries
+        if entry.seed in held
+    }
+    if not newest:
+        return
+    whole = [
+        {"of_run": number, "checkpoint_timestep": entry.timestep}
+        for number, (_, entry) in newest.items()
+        if not entry.problem
+    ]
+    if whole:
+        connection.execute(update(runs).where(of_run), whole)
+    notes = _notes(connection, list(newest))
+    said = [
+        (row, ", ".join(filter(None, (notes[number], entry.problem))), entry.timestep)
+        for number, (row, entry) in newest.items()
+    ]
+    _say(connection, [(row, reason, step) for row, reason, step in said if reason != row.reason])
+
+
+def _notes(connection: Connection, numbers: Sequence[int]) -> dict[int, str]:
+    """The notes of the current attempts of runs, by their number."""
+    query = (
+        select(attempts.c.run_number, attempts.c.note)
+        .join(runs, runs.c.number == attempts.c.run_number)
+        .where(runs.c.number.in_(numbers))
+        .where(attempts.c.attempt == runs.c.attempt)
+    )
+    return {number: said for number, said in connection.execute(query)}  # noqa: C416
+
+
+def _say(connection: Connection, said: Sequence[tuple[Row[Any], str, int]]) -> None:
+    """Give runs reasons, empty when all is well, unless they are being cancelled."""
+    reasons = [(row, reason, step) for row, reason, step in said if not row.is_cancelling]
+    if reasons:
+        values = [{"of_run": row.number, "reason": reason} for row, reason, _ in reasons]
+        connection.execute(update(runs).where(of_run), values)
+        told_of = [told(row, RunStatus.RUNNING, reason, step) for row, reason, step in reasons]
+        events.append(connection, told_of)
+
+
+def of_ended(connection: Connection, limit: int) -> list[str]:
+    """Return runs that have ended and may have files of checkpoints."""
+    query = (
+        select(sweeps.c.id, runs.c.ordinal)
+        .join(sweeps, sweeps.c.number == runs.c.sweep_number)
+        .where(runs.c.may_have_files, runs.c.status.in_(FINAL))
+        .limit(limit)
+    )
+    return [run_name(sweep_id, ordinal) for sweep_id, ordinal in connection.execute(query)]
+
+
+def forget(connection: Connection, run_ids: Sequence[str]) -> None:
+    """Note that these runs have no files of checkpoints, unless they were tried again meanwhile."""
+    for run_id in run_ids:
+        number = select(sweeps.c.number).where(sweeps.c.id == run_id.partition("-")[0])
+        connection.execute(
+            update(runs)
+            .where(
+                runs.c.sweep_number == number.scalar_subquery(),
+                runs.c.ordinal == ordinal_of(run_id),
+                runs.c.status.in_(FINAL),
+            )
+            .values(checkpoint_timestep=0, may_have_files=False)
+        )

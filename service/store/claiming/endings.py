@@ -1,0 +1,181 @@
+"""How a claim ends when its runs do not finish by themselves: failed, stopped, released, lost.
+
+Each statement takes all runs that end alike, however many.
+"""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import Connection, Row, bindparam, update
+
+from service.model.claim import Claim
+from service.model.run import RunStatus
+from service.store.claiming.claims import has_ended, held_rows, held_runs, of_attempt, of_run, told
+from service.store.claiming.retry import RetryPolicy
+from service.store.column_types import now
+from service.store.reading import events
+from service.store.tables import attempts, runs
+
+STOPPED = "cancelled while it was running"
+GIVEN_UP: Mapping[str, Any] = {"lease_until": None, "is_cancelling": False}
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How a running run stops running.
+
+    outcome   of its attempt
+    timestep  how far it has come
+    error     what the attempt says; the reason where that is empty
+    """
+
+    row: Row[Any]
+    status: RunStatus
+    reason: str
+    outcome: str
+    timestep: int
+    error: str = ""
+    log_tail: str = ""
+
+
+def fail(connection: Connection, claim: Claim, error: str, log_tail: str) -> None:
+    """End what is left of the claim as failed: an error in code, which would happen again."""
+    [held] = held_runs(connection, [claim])
+    end(connection, [failed(row, error, log_tail=log_tail) for row in held.values()])
+
+
+def release(connection: Connection, claim: Claim, reason: str) -> None:
+    """Queue what is left of the claim again, at once: its worker was ended for no fault of it."""
+    [held] = held_runs(connection, [claim])
+    _queue_again(connection, [(row, row.losses, 0.0) for row in held.values()], reason, "")
+
+
+def lose(
+    connection: Connection, claim: Claim, reason: str, log_tail: str, policy: RetryPolicy
+) -> None:
+    """Queue what is left of the claim again, after a wait: its worker was lost."""
+    [held] = held_runs(connection, [claim])
+    _lose(connection, held.values(), _legible(reason), _legible(log_tail), policy)
+
+
+def lose_expired(connection: Connection, policy: RetryPolicy) -> int:
+    """Queue runs whose lease has run out again, after a wait, and return how many there were."""
+    expired = connection.execute(held_rows().where(has_ended)).all()
+    reason = "its worker was not heard of until its lease ended"
+    _lose(connection, expired, reason, "", policy)
+    return len(expired)
+
+
+def ended(
+    row: Row[Any],
+    status: RunStatus,
+    reason: str,
+    *,
+    timestep: int | None = None,
+    error: str = "",
+    log_tail: str = "",
+) -> Ending:
+    """Return how a running run ends for good; without a timestep, where it was last heard of."""
+    reached = row.timestep if timestep is None else timestep
+    return Ending(row, status, reason, status.value, reached, error, log_tail)
+
+
+def failed(row: Row[Any], error: str, *, timestep: int | None = None, log_tail: str = "") -> Ending:
+    """Return how a running run ends by an error in code: its reason is the error's last line."""
+    error, log_tail = _legible(error), _legible(log_tail)
+    reason = error.strip().rpartition("\n")[2] or "failed without a message"
+    return ended(row, RunStatus.FAILED, reason, timestep=timestep, error=error, log_tail=log_tail)
+
+
+def end(connection: Connection, endings: Sequence[Ending]) -> None:
+    """End running runs for good."""
+    if endings:
+        stop = update(runs).where(of_run).values(**GIVEN_UP, finished_at=now())
+        connection.execute(stop, [_moved(ending) for ending in endings])
+        _tell(connection, endings)
+
+
+def _lose(
+    connection: Connection,
+    rows: Collection[Row[Any]],
+    reason: str,
+    log_tail: str,
+    policy: RetryPolicy,
+) -> None:
+    """Count one more loss of each, and give up those that have had too many."""
+    losses = {row.number: row.losses + 1 for row in rows}
+    hopeless = [r for r in rows if losses[r.number] > policy.losses and not r.is_cancelling]
+    end(
+        connection,
+        [
+            ended(
+                row,
+                RunStatus.FAILED,
+                f"given up after losing {losses[row.number]} workers in a row; the last: {reason}",
+                error=reason,
+                log_tail=log_tail,
+            )
+            for row in hopeless
+        ],
+    )
+    again = [
+        (row, losses[row.number], policy.wait_seconds(losses[row.number]))
+        for row in rows
+        if row not in hopeless
+    ]
+    _queue_again(connection, again, reason, log_tail)
+
+
+def _queue_again(
+    connection: Connection, again: Sequence[tuple[Row[Any], int, float]], reason: str, log_tail: str
+) -> None:
+    """Queue runs with so many losses to wait for so many seconds; end those being cancelled."""
+    stopped = [row for row, _, _ in again if row.is_cancelling]
+    end(connection, [ended(r, RunStatus.CANCELLED, STOPPED, log_tail=log_tail) for r in stopped])
+    moved: list[Ending] = []
+    values: list[dict[str, Any]] = []
+    for row, losses, wait_seconds in again:
+        if not row.is_cancelling:
+            status = RunStatus.QUEUED if row.paused_at is None else RunStatus.PAUSED
+            moved.append(Ending(row, status, reason, "lost", row.timestep, log_tail=log_tail))
+            values.append({**_moved(moved[-1]), "losses": losses, "wait_seconds": wait_seconds})
+    if moved:
+        not_before = now() + bindparam("wait_seconds")
+        queue = update(runs).where(of_run).values(**GIVEN_UP, not_before=not_before)
+        connection.execute(queue, values)
+        _tell(connection, moved)
+
+
+def _moved(ending: Ending) -> dict[str, Any]:
+    """The run's new values."""
+    return {
+        "of_run": ending.row.number,
+        "status": ending.status,
+        "reason": ending.reason,
+        "timestep": ending.timestep,
+    }
+
+
+def _tell(connection: Connection, endings: Sequence[Ending]) -> None:
+    """Close the attempts and append the events."""
+    close = update(attempts).where(of_attempt).values(ended_at=now())
+    connection.execute(
+        close,
+        [
+            {
+                "of_run": ending.row.number,
+                "of_attempt": ending.row.attempt,
+                "outcome": ending.outcome,
+                "error": ending.error or ending.reason,
+                "log_tail": ending.log_tail,
+            }
+            for ending in endings
+        ],
+    )
+    events.append(connection, [told(e.row, e.status, e.reason, e.timestep) for e in endings])
+
+
+def _legible(text: str) -> str:
+    """Write as escapes what a program may print and no database holds: NUL, half surrogates."""
+    return text.replace("\0", r"\x00").encode(errors="backslashreplace").decode()

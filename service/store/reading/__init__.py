@@ -1,0 +1,1 @@
+"""Reading: what the store answers, and the rows it answers from."""

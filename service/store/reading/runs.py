@@ -1,0 +1,156 @@
+"""Runs: reading them."""
+
+from typing import Any
+
+from sqlalchemy import ColumnElement, Connection, Row, Select, false, func, select
+
+from service.model.run import Attempt, Run, RunStatus
+from service.store.reading.run_order import RunOrder
+from service.store.refusal import NotFoundError
+from service.store.tables import attempts, is_running, runs, sweeps
+from workers.messages.run_spec import RunSpec
+
+
+def find(connection: Connection, run_id: str) -> Run | None:
+    """Return one run, or None."""
+    row = connection.execute(_select().where(named(run_id))).one_or_none()
+    return None if row is None else _run(row)
+
+
+def get(connection: Connection, run_id: str) -> Run:
+    """Return one run. Raises NotFoundError."""
+    run = find(connection, run_id)
+    if run is None:
+        raise NotFoundError(f"there is no run {run_id!r}")
+    return run
+
+
+def page(
+    connection: Connection,
+    sweep_id: str,
+    *,
+    status: RunStatus | None,
+    algorithm: str | None,
+    environment: str | None,
+    order: RunOrder,
+    after: str | None,
+    limit: int,
+) -> list[Run]:
+    """Return runs of a sweep in an order, from the one that follows the run named `after`."""
+    query = _select().where(sweeps.c.id == sweep_id).order_by(*order.keys()).limit(limit)
+    if status is not None:
+        query = query.where(runs.c.status == status)
+    if algorithm is not None:
+        query = query.where(runs.c.algorithm == algorithm)
+    if environment is not None:
+        query = query.where(runs.c.environment == environment)
+    if after is not None:
+        keys = _select().with_only_columns(*order.keys()).where(named(after))
+        last = connection.execute(keys).one_or_none()
+        query = query.where(false() if last is None else order.after(last))
+    return [_run(row) for row in connection.execute(query)]
+
+
+def history(connection: Connection, run_id: str) -> list[Attempt]:
+    """Return every attempt of a run, the first one first."""
+    query = (
+        select(attempts)
+        .join(runs, runs.c.number == attempts.c.run_number)
+        .join(sweeps, sweeps.c.number == runs.c.sweep_number)
+        .where(named(run_id))
+        .order_by(attempts.c.attempt)
+    )
+    return [
+        Attempt(
+            attempt=row.attempt,
+            worker=row.worker,
+            outcome=row.outcome,
+            error=row.error,
+            log_tail=row.log_tail,
+            started_at=row.started_at,
+            ended_at=row.ended_at,
+            fingerprint=row.fingerprint,
+            resumed_timestep=row.resumed_timestep,
+            note=row.note,
+        )
+        for row in connection.execute(query)
+    ]
+
+
+def count(connection: Connection) -> dict[str, int]:
+    """Return how many runs of all sweeps there are by status, every status named."""
+    query = select(runs.c.status, func.count()).group_by(runs.c.status)
+    counts = {status: number for status, number in connection.execute(query)}  # noqa: C416
+    return {status.value: counts.get(status.value, 0) for status in RunStatus}
+
+
+def count_attempts(connection: Connection) -> dict[str, int]:
+    """Return how many attempts of all runs there were by outcome."""
+    query = select(attempts.c.outcome, func.count()).group_by(attempts.c.outcome)
+    return {outcome: number for outcome, number in connection.execute(query)}  # noqa: C416
+
+
+def cancelling(connection: Connection) -> set[str]:
+    """Return the running runs whose workers are to stop them."""
+    query = (
+        select(sweeps.c.id, runs.c.ordinal)
+        .join(sweeps, sweeps.c.number == runs.c.sweep_number)
+        .where(runs.c.is_cancelling, is_running)
+    )
+    return {run_name(sweep_id, ordinal) for sweep_id, ordinal in connection.execute(query)}
+
+
+def run_name(sweep_id: str, ordinal: int) -> str:
+    """Return the run's name."""
+    return f"{sweep_id}-{ordinal}"
+
+
+def named(run_id: str) -> ColumnElement[bool]:
+    """Return the condition that picks one run by its name; no run has a malformed name."""
+    return (sweeps.c.id == run_id.partition("-")[0]) & (runs.c.ordinal == ordinal_of(run_id))
+
+
+def ordinal_of(run_id: str) -> int:
+    """Return the run's place in its sweep; -1 for a malformed name."""
+    digits = run_id.partition("-")[2]
+    is_canonical = digits.isascii() and digits.isdigit() and digits == str(int(digits[:10]))
+    return int(digits) if is_canonical and int(digits) < 2**31 else -1
+
+
+def _select() -> Select[Any]:
+    return select(runs, sweeps.c.id.label("sweep_id")).join(
+        sweeps, sweeps.c.number == runs.c.sweep_number
+    )
+
+
+def _run(row: Row[Any]) -> Run:
+    return Run(
+        id=run_name(row.sweep_id, row.ordinal),
+        sweep_id=row.sweep_id,
+        spec=spec_of(row),
+        environment_version=row.environment_version,
+        status=RunStatus(row.status),
+        reason=row.reason,
+        attempt=row.attempt,
+        timestep=row.timestep,
+        is_cancelling=row.is_cancelling,
+        created_at=row.created_at,
+        started_at=row.started_at,
+        finished_at=row.finished_at,
+        fingerprint=row.fingerprint,
+        checkpoint_timestep=row.checkpoint_timestep,
+        resumed_timestep=row.resumed_timestep,
+        memory_bytes=row.memory_bytes,
+    )
+
+
+def spec_of(row: Row[Any]) -> RunSpec:
+    """Read the spec off a row of `runs`."""
+    return RunSpec(
+        algorithm=row.algorithm,
+        environment=row.environment,
+        seed=row.seed,
+        weights=(row.w1, row.w2),
+        timesteps=row.timesteps,
+        config=row.config,
+    )

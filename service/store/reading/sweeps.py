@@ -1,0 +1,179 @@
+"""Sweeps: creating one with all its runs, reading them with counts."""
+
+import json
+import secrets
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from sqlalchemy import (
+    ColumnElement,
+    Connection,
+    Row,
+    Select,
+    case,
+    func,
+    insert,
+    select,
+)
+
+from service.model.run import ACTIVE, RunStatus
+from service.model.sweep import RunCounts, Sweep, SweepStatus
+from service.store.column_types import now
+from service.store.reading import events
+from service.store.refusal import NotFoundError, SubmissionKeyReusedError
+from service.store.tables import runs, sweeps
+from workers.messages.run_spec import RunSpec
+
+
+def create(
+    connection: Connection,
+    *,
+    name: str,
+    priority: int,
+    request: Mapping[str, Any],
+    specs: Sequence[RunSpec],
+    environment_versions: Mapping[str, int],
+    submission_key: str | None,
+) -> Sweep:
+    """Write a sweep and its runs, which are numbered in the order of the specs.
+
+    Under a key that a sweep was submitted with already, return that one. Raises
+    SubmissionKeyReusedError where that one's request was another.
+    """
+    if submission_key is not None:
+        earlier = _submitted(connection, submission_key, request)
+        if earlier is not None:
+            return earlier
+    sweep_id = secrets.token_hex(6)
+    heading = {
+        "id": sweep_id,
+        "name": name,
+        "priority": priority,
+        "request": request,
+        "submission_key": submission_key,
+    }
+    number = connection.execute(
+        insert(sweeps).values(heading).returning(sweeps.c.number)
+    ).scalar_one()
+    cells = {cell: index for index, cell in enumerate(dict.fromkeys(s.cell for s in specs))}
+    rows = [
+        {
+            "sweep_number": number,
+            "ordinal": ordinal,
+            "cell": cells[spec.cell],
+            "algorithm": spec.algorithm,
+            "environment": spec.environment,
+            "environment_version": environment_versions[spec.environment],
+            "seed": spec.seed,
+            "w1": spec.weights[0],
+            "w2": spec.weights[1],
+            "config": spec.config,
+            "timesteps": spec.timesteps,
+        }
+        for ordinal, spec in enumerate(specs)
+    ]
+    if rows:
+        connection.execute(insert(runs), rows)
+    events.append(connection, [events.sweep_changed(number, sweep_id, "created")])
+    return get(connection, sweep_id)
+
+
+def _submitted(connection: Connection, key: str, request: Mapping[str, Any]) -> Sweep | None:
+    query = select(sweeps.c.id, sweeps.c.request).where(sweeps.c.submission_key == key)
+    row = connection.execute(query).one_or_none()
+    if row is None:
+        return None
+    # As text, since to Python 1, 1.0 and True are equal.
+    asked, now_asked = (json.dumps(document, sort_keys=True) for document in (row.request, request))
+    if asked != now_asked:
+        raise SubmissionKeyReusedError(
+            f"sweep {row.id} was submitted under this key with another request"
+        )
+    return get(connection, row.id)
+
+
+def find(connection: Connection, sweep_id: str) -> Sweep | None:
+    """Return one sweep, or None."""
+    row = connection.execute(_summaries(sweeps.c.id == sweep_id)).one_or_none()
+    return None if row is None else _sweep(row)
+
+
+def get(connection: Connection, sweep_id: str) -> Sweep:
+    """Return one sweep. Raises NotFoundError."""
+    sweep = find(connection, sweep_id)
+    if sweep is None:
+        raise NotFoundError(f"there is no sweep {sweep_id!r}")
+    return sweep
+
+
+def request(connection: Connection, sweep_id: str) -> Mapping[str, Any]:
+    """Return what a sweep was posted as. Raises NotFoundError."""
+    posted = connection.scalar(select(sweeps.c.request).where(sweeps.c.id == sweep_id))
+    if posted is None:
+        raise NotFoundError(f"there is no sweep {sweep_id!r}")
+    found: Mapping[str, Any] = posted
+    return found
+
+
+def page(connection: Connection, after: str | None, limit: int) -> list[Sweep]:
+    """Return sweeps, newest first, from the one that follows the sweep named `after`."""
+    numbers = select(sweeps.c.number).order_by(sweeps.c.number.desc()).limit(limit)
+    if after is not None:
+        last = select(sweeps.c.number).where(sweeps.c.id == after).scalar_subquery()
+        numbers = numbers.where(sweeps.c.number < last)
+    query = _summaries(sweeps.c.number.in_(numbers)).order_by(sweeps.c.number.desc())
+    return [_sweep(row) for row in connection.execute(query)]
+
+
+def _summaries(condition: ColumnElement[bool]) -> Select[Any]:
+    """Sweeps with what their runs add up to."""
+    counts = [
+        func.count().filter(runs.c.status == status).label(status.value) for status in RunStatus
+    ]
+    succeeded = runs.c.status == RunStatus.SUCCEEDED
+    done = case((succeeded, runs.c.timesteps), else_=runs.c.timestep)
+    left = case((runs.c.status.in_(ACTIVE), runs.c.timesteps - runs.c.timestep), else_=0)
+    return (
+        select(
+            sweeps,
+            *counts,
+            func.min(runs.c.started_at).label("started_at"),
+            func.coalesce(func.sum(done), 0).label("done"),
+            func.coalesce(func.sum(left), 0).label("left"),
+            func.coalesce(func.sum(runs.c.timesteps), 0).label("asked"),
+            now().label("clock"),
+        )
+        .join(runs, runs.c.sweep_number == sweeps.c.number)
+        .where(condition)
+        .group_by(sweeps.c.number)
+    )
+
+
+def _sweep(row: Row[Any]) -> Sweep:
+    counts = RunCounts(**{status.value: getattr(row, status.value) for status in RunStatus})
+    eta = None
+    if counts.active == 0:
+        eta = 0.0
+    elif row.started_at is not None and row.done > 0 and counts.paused == 0:
+        eta = (row.clock - row.started_at) * float(row.left) / float(row.done)
+    return Sweep(
+        id=row.id,
+        name=row.name,
+        priority=row.priority,
+        request=row.request,
+        created_at=row.created_at,
+        started_at=row.started_at,
+        status=_status(counts, row),
+        runs=counts,
+        progress=float(row.done) / float(row.asked),
+        eta_seconds=eta,
+    )
+
+
+def _status(counts: RunCounts, row: Row[Any]) -> SweepStatus:
+    if counts.active == 0:
+        was_cut = row.cancelled_at is not None and counts.cancelled > 0
+        return SweepStatus.CANCELLED if was_cut else SweepStatus.FINISHED
+    if row.paused_at is not None or counts.paused == counts.active:
+        return SweepStatus.PAUSED
+    return SweepStatus.QUEUED if row.started_at is None else SweepStatus.RUNNING

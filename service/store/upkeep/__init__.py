@@ -1,0 +1,1 @@
+"""Upkeep: backup, copy, upgrade, checks and trouble of the database."""

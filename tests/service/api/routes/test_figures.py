@@ -1,0 +1,186 @@
+"""Figures over REST: files with the same bytes each time, and those of the paper."""
+
+import xml.dom.minidom
+from pathlib import Path
+
+import pytest
+from fastapi import FastAPI
+from starlette.testclient import TestClient
+
+from algorithms.early_end import Divergence
+from service.analysis.figures.die_figure import bounces
+from service.api.side_process import BusyError
+from service.settings import Settings
+from service.store.store import Store
+from tests.service.conftest import SWEEP, changed
+from tests.service.training import RANDOM, measured, random_return, rising, train
+from tests.workers.policies.test_rollout import write_policy
+from workers.messages.progress import Progress
+
+
+def test_figures_are_files_with_the_same_bytes_each_time(reader: TestClient, trained: str) -> None:
+    png = reader.get(f"{trained}/plot.png")
+    assert png.headers["content-type"] == "image/png"
+    assert png.content.startswith(b"\x89PNG")
+    assert reader.get(f"{trained}/plot.png").content == png.content
+    svg = reader.get(f"{trained}/plot.svg")
+    assert svg.headers["content-type"] == "image/svg+xml"
+    assert reader.get(f"{trained}/plot.svg").content == svg.content
+    xml.dom.minidom.parseString(svg.content)  # noqa: S318 - our own
+    pdf = reader.get(f"{trained}/plot.pdf")
+    assert pdf.headers["content-type"] == "application/pdf"
+    assert pdf.content.startswith(b"%PDF-")
+    assert b"CreationDate" not in pdf.content
+    assert reader.get(f"{trained}/plot.pdf").content == pdf.content
+
+
+def test_a_figure_in_another_form_is_refused(reader: TestClient, trained: str) -> None:
+    refusal = reader.get(f"{trained}/plot.gif")
+    assert refusal.status_code == 422
+    assert refusal.json()["errors"][0] == {
+        "field": "form",
+        "message": "Input should be 'png', 'svg' or 'pdf'",
+        "limit": "'png', 'svg' or 'pdf'",
+    }
+
+
+def test_a_figure_of_nothing_yet(client: TestClient) -> None:
+    link = client.post("/api/v1/sweeps", json=SWEEP).json()["links"]["self"]
+    assert client.get(f"{link}/plot.png").status_code == 200
+
+
+@pytest.mark.parametrize("name", ["$\\frac{ --><script>", "a\x01b\x1f \u202ex 😀 日本", "x" * 200])
+def test_any_name_can_stand_on_a_figure(client: TestClient, name: str) -> None:
+    body = changed(name=name, seeds=1, environments=["Pendulum"])
+    link = client.post("/api/v1/sweeps", json=body).json()["links"]["self"]
+    svg = client.get(f"{link}/plot.svg")
+    assert svg.status_code == 200
+    xml.dom.minidom.parseString(svg.content)  # noqa: S318 - our own
+
+
+def test_a_figure_of_too_many_curves_is_refused(client: TestClient) -> None:
+    weights = [{"w1": k / 10, "w2": j / 10} for k in range(10) for j in range(10)]
+    algorithms = [
+        {"name": "hybrid-ddpg", "weights": weights, "config": {"batch_size": size}}
+        for size in (32, 64, 128)
+    ]
+    body = changed(algorithms=algorithms, seeds=1)
+    link = client.post("/api/v1/sweeps", json=body).json()["links"]["self"]
+    refusal = client.get(f"{link}/plot.png")
+    assert refusal.status_code == 422
+    assert "600" in refusal.json()["detail"]
+    assert client.get(f"{link}/curves").status_code == 200
+
+
+def texts(svg: bytes) -> str:
+    """What an SVG of ours says: its letters are drawn, and the text stands beside in comments."""
+    return " ".join(part.partition("-->")[0].strip() for part in svg.decode().split("<!--")[1:])
+
+
+def test_a_figure_of_the_paper_shows_its_algorithms_and_its_definition(
+    client: TestClient, store: Store
+) -> None:
+    store.record_random_return(random_return("Pendulum", RANDOM))
+    names = ("ddpg", "hybrid-ddpg", "hybrid-ddpg-cosine")
+    body = changed(algorithms=[{"name": name} for name in names], environments=["Pendulum"])
+    link = client.post("/api/v1/sweeps", json=body).json()["links"]["self"]
+    train(store, 3, rising)
+    cosine = client.get(f"{link}/figures/5.svg")
+    assert cosine.status_code == 200
+    said = texts(cosine.content)
+    assert "Figure 5, the cosine loss: small" in said
+    assert "hybrid-ddpg-cosine" in said
+    assert "n = 3." in said
+    assert "Normalised: 0 is the mean return" in said
+    fourth = texts(client.get(f"{link}/figures/4.svg").content)
+    assert "hybrid-ddpg" in fourth
+    assert "hybrid-ddpg-cosine" not in fourth
+
+
+@pytest.mark.parametrize(
+    ("number", "environment", "told"),
+    [
+        ("2", "MassPoint", ("the critic of the mass point", "epoch 0: off by", "n = 3.")),
+        ("3", "RollingDie", ("the die's way to the target", "best run: seed 2", "start 0: ")),
+    ],
+)
+def test_a_figure_of_what_was_learned(
+    client: TestClient,
+    store: Store,
+    settings: Settings,
+    number: str,
+    environment: str,
+    told: tuple[str, ...],
+) -> None:
+    store.record_random_return(random_return(environment, RANDOM))
+    body = changed(environments=[environment], algorithms=[{"name": "hybrid-ddpg"}])
+    sweep = client.post("/api/v1/sweeps", json=body).json()
+    link = f"{sweep['links']['self']}/figures/{number}"
+    assert sweep["links"][f"figure_{number}"] == f"{link}.png"
+    assert "figure_5" not in sweep["links"]
+    nothing = client.get(f"{link}.svg")
+    assert nothing.status_code == 200, nothing.text
+    train(store, 3, rising)
+    for run in range(3):
+        write_policy(settings.checkpoint_place, f"{sweep['id']}-{run}", environment)
+    figure = client.get(f"{link}.svg")
+    assert figure.status_code == 200, figure.text
+    assert client.get(f"{link}.svg").content == figure.content
+    said = texts(figure.content)
+    for text in told:
+        assert text in said
+    shown = "*-2" if number == "3" else "*-0"
+    (file,) = Path(settings.checkpoint_place).glob(f"{shown}/policy")
+    file.write_bytes(file.read_bytes()[:-1])
+    refusal = client.get(f"{link}.svg")
+    assert refusal.status_code == 409
+    assert "cannot be read" in refusal.json()["detail"]
+
+
+def test_the_best_run_is_one_that_reached_its_end(
+    client: TestClient, store: Store, settings: Settings
+) -> None:
+    """Seed 2 earned the most, and diverged."""
+    body = changed(environments=["RollingDie"], algorithms=[{"name": "hybrid-ddpg"}])
+    sweep = client.post("/api/v1/sweeps", json=body).json()
+    link = f"{sweep['links']['self']}/figures/3.svg"
+    claim = store.claim_cohort("worker", 60.0)
+    assert claim is not None
+    measurements = tuple(measured(spec, 4000, rising(spec, 4000)) for spec in claim.specs)
+    store.record(claim, Progress(4000, measurements=measurements))
+    assert "no run has ended" in texts(client.get(link).content)
+    diverged = (Divergence(2, 4000, 2000, "critic_loss"),)
+    store.record(claim, Progress(4000, diverged=diverged, finished=(0, 1)))
+    for run in range(3):
+        write_policy(settings.checkpoint_place, f"{sweep['id']}-{run}", "RollingDie")
+    assert "best run: seed 1" in texts(client.get(link).content)
+
+
+def test_a_bounce_is_contacts_that_follow_one_another_at_once() -> None:
+    assert bounces([]) == []
+    assert bounces([36, 38, 40, 77, 107, 112, 118]) == [36, 77, 107, 118]
+
+
+def test_a_figure_without_runs_is_not_there(reader: TestClient, trained: str) -> None:
+    refusal = reader.get(f"{trained}/figures/6.png")
+    assert refusal.status_code == 404
+    assert "shows hybrid-sac, sac" in refusal.json()["detail"]
+
+
+@pytest.mark.parametrize("path", ["figures/1.png", "figures/four.png", "figures/4.bmp"])
+def test_other_figures_are_refused(reader: TestClient, trained: str, path: str) -> None:
+    assert reader.get(f"{trained}/{path}").status_code == 422
+
+
+def test_when_too_many_wait_it_says_so(
+    app: FastAPI, client: TestClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def busy(*_: object) -> bytes:
+        raise BusyError("16 others wait already")
+
+    link = client.post("/api/v1/sweeps", json=SWEEP).json()["links"]["self"]
+    monkeypatch.setattr(app.state.side, "call", busy)
+    refusal = client.get(f"{link}/plot.png")
+    assert refusal.status_code == 503
+    assert refusal.headers["retry-after"] == "5"
+    assert "16 others wait" in refusal.json()["detail"]

@@ -1,0 +1,88 @@
+"""Migrations: what they make is what `tables` says, and each can be undone."""
+
+import math
+from dataclasses import replace
+
+from sqlalchemy import inspect, select
+
+from service.store.connection import connect
+from service.store.store import Store
+from service.store.tables import metadata, runs
+from service.store.upkeep import migration
+from tests.service.store.conftest import Submit, measured
+from workers.messages.progress import Progress
+
+
+def test_migrations_make_the_tables(url: str) -> None:
+    engine = connect(url, "writer")
+    migration.check(engine)
+    tables = set(inspect(engine).get_table_names())
+    engine.dispose()
+    assert tables == {*metadata.tables, "alembic_version"}
+
+
+def test_migrations_can_be_undone_and_done_again(url: str) -> None:
+    engine = connect(url, "writer")
+    migration.downgrade(engine, "base")
+    assert inspect(engine).get_table_names() == ["alembic_version"]
+    migration.upgrade(engine)
+    migration.check(engine)
+    engine.dispose()
+
+
+def test_indexes_that_migrations_make_are_those_of_the_tables(url: str) -> None:
+    engine = connect(url, "writer")
+    found = inspect(engine)
+    made = {
+        table: {
+            index["name"]
+            for index in found.get_indexes(table)
+            if "duplicates_constraint" not in index  # PostgreSQL lists those of constraints too
+        }
+        for table in metadata.tables
+    }
+    declared = {name: {i.name for i in t.indexes} for name, t in metadata.tables.items()}
+    engine.dispose()
+    assert made == declared
+
+
+def test_whatever_a_worker_once_had_may_have_left_files(
+    store: Store, submit: Submit, url: str
+) -> None:
+    submit(seeds=2)
+    assert store.claim_cohort("worker-1", 60.0, limit=1) is not None
+    store.close()
+    engine = connect(url, "writer")
+    migration.downgrade(engine, "0003")
+    migration.upgrade(engine)
+    with engine.connect() as connection:
+        query = select(runs.c.may_have_files).order_by(runs.c.ordinal)
+        assert list(connection.scalars(query)) == [True, False]
+    engine.dispose()
+
+
+def test_what_was_measured_before_compiling_was_told_apart_keeps_its_seconds(
+    store: Store, submit: Submit, url: str
+) -> None:
+    submit(seeds=1)
+    claim = store.claim_cohort("worker-1", 60.0, limit=1)
+    assert claim is not None
+    store.record(claim, Progress(800, measurements=(measured(0, 800),)))
+    store.close()
+    engine = connect(url, "writer")
+    migration.downgrade(engine, "0005")
+    migration.upgrade(engine)
+    engine.dispose()
+    again = Store.open(url)
+    [found] = again.measurements(claim.runs[0].run_id)
+    again.close()
+    assert math.isnan(found.compile_seconds)
+    assert replace(found, compile_seconds=0.25) == measured(0, 800)
+
+
+def test_opening_again_keeps_everything(store: Store, submit: Submit, url: str) -> None:
+    sweep = submit()
+    store.close()
+    again = Store.open(url)
+    assert again.list_sweeps() == [sweep]
+    again.close()

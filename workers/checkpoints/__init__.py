@@ -1,0 +1,1 @@
+"""Checkpoints: where runs are left, and taken up again."""

@@ -1,0 +1,1 @@
+"""The driver: Ray's end of the workers."""

@@ -1,0 +1,226 @@
+"""Workers as Ray actors.
+
+A slot keeps one actor warm and gives it one piece of work after the other; when the actor dies it
+makes another. Ray repeats nothing by itself (`max_restarts=0`, `max_task_retries=0`): what is to
+be done again is decided by the one who keeps the record. Messages leave an actor as text, so that
+nothing of ours is unpickled here.
+"""
+
+import faulthandler
+import itertools
+import os
+import queue
+import socket
+import sys
+import threading
+import time
+import traceback
+from collections.abc import Callable, Collection, Iterator
+from pathlib import Path
+from typing import Any
+
+import ray
+from ray.util.scheduling_strategies import NodeAffinitySchedulingStrategy
+
+from workers.driver.placement import Node
+from workers.messages.log_tail import log_tail
+from workers.messages.report import Busy, Ended, Failed, Lost, News, Ready, Retired, to_line
+from workers.messages.work import Work
+from workers.training.execute import execute
+
+UNREAD_LIMIT = 2
+"""Progresses that may wait for the driver; then the actor's stream waits."""
+IDLE_CHECK_SECONDS = 5.0
+LONGEST_PAUSE_SECONDS = 30.0
+EXIT_ABANDONED = 75
+WORKER_SECONDS = 3600.0
+"""A worker that is older ends with its cohort, and another comes: what may have leaked is freed."""
+
+Send = Callable[[str], None]
+
+
+class Worker:
+    """What runs in a worker's process. Calls to `drop` arrive while `train` streams."""
+
+    def __init__(self, name: str, log_path: str, checkpoints: str) -> None:
+        """Send all output of the process to the log file, a crash's stack too."""
+        self._name = name
+        self._checkpoints = checkpoints
+        self._log_path = Path(log_path)
+        self._cohort = ""
+        self._dropped: set[int] = set()
+        self._log_path.parent.mkdir(parents=True, exist_ok=True)
+        log = os.open(self._log_path, os.O_CREAT | os.O_WRONLY | os.O_TRUNC | os.O_APPEND, 0o600)
+        os.dup2(log, 1)
+        os.dup2(log, 2)
+        os.close(log)
+        faulthandler.enable(sys.__stderr__ or 2)
+
+    def describe(self) -> tuple[int, str]:
+        """Return this process's id and host; also how one sees that it lives."""
+        return os.getpid(), socket.gethostname()
+
+    def train(self, document: dict[str, Any]) -> Iterator[str]:
+        """Train what is assigned: lines of News, then of Ended or Failed."""
+        work = Work.from_json(document)
+        cohort = work.cohort
+        self._cohort, self._dropped = cohort, set()
+        os.truncate(self._log_path, 0)
+        try:
+            told = execute(
+                work.runs,
+                self._checkpoints,
+                lambda: self._dropped,
+                _leave,
+                measure_random_return=work.measure_random_return,
+                report_seconds=work.report_seconds,
+            )
+            for progress in told:
+                yield to_line(News(self._name, cohort, progress))
+        except Exception:
+            sys.stdout.flush()
+            error, tail = traceback.format_exc(), log_tail(self._log_path)
+            yield to_line(Failed(self._name, cohort, error, tail))
+        else:
+            yield to_line(Ended(self._name, cohort))
+
+    def drop(self, cohort: str, seeds: Collection[int]) -> None:
+        """Train these seeds no further; a word about an earlier cohort comes too late."""
+        if cohort == self._cohort:
+            self._dropped |= set(seeds)
+
+
+def _leave() -> None:
+    """End this process: nobody listens any more."""
+    os._exit(EXIT_ABANDONED)
+
+
+RemoteWorker: Any = ray.remote(Worker)
+
+
+class Slot:
+    """One worker at a time, on one node and a thread of its own."""
+
+    def __init__(
+        self,
+        node: Node,
+        names: "itertools.count[int]",
+        logs: Path,
+        checkpoints: str,
+        send: Send,
+        worker_bytes: int,
+    ) -> None:
+        """Start the thread. Its worker is promised so much of the node's memory; 0: none."""
+        self._worker_bytes = worker_bytes
+        self.node = node.name
+        self.worker = ""
+        self._names = names
+        self._checkpoints = checkpoints
+        self._logs = logs
+        self._send = send
+        self._work: queue.SimpleQueue[dict[str, Any] | None] = queue.SimpleQueue()  # None: retire
+        self._actor: Any = None
+        self._cohort = ""
+        self._is_up = False
+        self._is_closing = False
+        self._idle_since: float | None = time.monotonic()
+        threading.Thread(target=self._run, name="slot", daemon=True).start()
+
+    @property
+    def idle_seconds(self) -> float:
+        """For how long it has had nothing to do; also while its worker is coming up."""
+        since = self._idle_since
+        return 0.0 if since is None else time.monotonic() - since
+
+    def train(self, work: dict[str, Any]) -> None:
+        """Give the worker a cohort."""
+        self._idle_since = None
+        self._work.put(work)
+
+    def drop(self, seeds: Collection[int]) -> None:
+        """Pass on which seeds to drop from the cohort in training."""
+        self._actor.drop.remote(self._cohort, list(seeds))
+
+    def kill(self) -> None:
+        """End the worker's process."""
+        if self._actor is not None:
+            ray.kill(self._actor)
+
+    def close(self) -> None:
+        """Make no other actor after this one."""
+        self._is_closing = True
+
+    def retire(self) -> None:
+        """End the worker, which is idle; one that has not come up yet is given up."""
+        self.close()
+        self._work.put(None)
+        if not self._is_up:
+            self.kill()
+
+    def _run(self) -> None:
+        pause = 0.0
+        while not self._is_closing:
+            self.worker = f"worker-{next(self._names)}"
+            self._work = queue.SimpleQueue()
+            self._idle_since = time.monotonic()
+            log_path = self._logs / f"{self.worker}.log"
+            begun = time.monotonic()
+            try:
+                self._actor = self._make_actor(log_path)
+                self._serve()
+            except ray.exceptions.RayError as error:
+                self._send(to_line(Lost(self.worker, _reason(error), log_tail(log_path))))
+            self._is_up = False
+            time.sleep(pause)
+            lived_long = time.monotonic() - begun > LONGEST_PAUSE_SECONDS
+            pause = 0.0 if lived_long else min(2 * pause + 1, LONGEST_PAUSE_SECONDS)
+
+    def _make_actor(self, log_path: Path) -> Any:
+        """Begin to make one on the node; where that is dead, its first call raises."""
+        actor_class = RemoteWorker.options(
+            num_cpus=1,
+            memory=self._worker_bytes or None,
+            max_restarts=0,
+            max_task_retries=0,
+            max_concurrency=2,
+            scheduling_strategy=NodeAffinitySchedulingStrategy(self.node, soft=False),
+        )
+        return actor_class.remote(self.worker, str(log_path), self._checkpoints)
+
+    def _serve(self) -> None:
+        """Do work until the worker is retired, or too old, or lost: then ray's error is raised."""
+        begun = time.monotonic()
+        pid, host = ray.get(self._actor.describe.remote())
+        self._is_up = True
+        self._send(to_line(Ready(self.worker, pid, host)))
+        while time.monotonic() - begun < WORKER_SECONDS:
+            try:
+                work = self._work.get(timeout=IDLE_CHECK_SECONDS)
+            except queue.Empty:
+                ray.get(self._actor.describe.remote())
+                continue
+            if work is None:
+                break
+            self._train(work)
+            self._idle_since = time.monotonic()
+        self._send(to_line(Retired(self.worker)))
+        self.kill()
+
+    def _train(self, work: dict[str, Any]) -> None:
+        self._idle_since = None
+        self._cohort = work["cohort"]
+        self._send(to_line(Busy(self.worker, self._cohort, work["note"])))
+        stream = self._actor.train.options(
+            num_returns="streaming", _generator_backpressure_num_objects=UNREAD_LIMIT
+        ).remote(work)
+        for line in stream:
+            self._send(ray.get(line))
+
+
+def _reason(error: Exception) -> str:
+    """Return Ray's first line about a loss, which says what was lost and how."""
+    if isinstance(error, ray.exceptions.OutOfMemoryError):
+        return "its worker was ended because the machine ran out of memory"
+    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+    details = [line for line in lines if line.startswith(("The actor is dead", "Worker exit"))]
+    return "its worker was lost: " + (details or lines or [type(error).__name__])[0]

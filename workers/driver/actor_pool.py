@@ -1,0 +1,205 @@
+"""All slots of a cluster, which follow its nodes and the work; obeys one service after the other.
+
+A slot is a core of a node, and goes with it; a node that comes back is another one to Ray, and so
+it is here. There are as many slots as the service says there is work for, within bounds: the
+cluster's autoscaler is asked for what is missing, and what has long been idle is retired, so that
+its node can be given back.
+"""
+
+import json
+import socket
+import sys
+import threading
+import time
+import traceback
+from collections import Counter
+from collections.abc import Collection
+from typing import Any, Protocol
+
+from workers.driver.outbox import Outbox
+from workers.driver.placement import Bounds, Node, vacancies
+from workers.messages.report import Capacity, to_line
+
+LOOK_SECONDS = 2.0
+"""Between two looks at the cluster's nodes."""
+OUTAGE_SECONDS = 900.0
+"""How long workers train on while no service is there; then their checkpoints have to do."""
+IDLE_OUTAGE_SECONDS = 30.0
+IDLE_SECONDS = 300.0
+"""How long a worker that nothing is there for is kept warm; bringing one up takes a few seconds."""
+
+
+class Slot(Protocol):
+    """Room for one worker, which is replaced when it is lost."""
+
+    @property
+    def node(self) -> str:
+        """The node that it is on."""
+
+    @property
+    def worker(self) -> str:
+        """The name of its worker of now."""
+
+    @property
+    def idle_seconds(self) -> float:
+        """For how long it has had nothing to do; also while its worker is coming up."""
+
+    def train(self, work: dict[str, Any]) -> None:
+        """Give the worker a cohort."""
+
+    def drop(self, seeds: Collection[int]) -> None:
+        """Have it train these seeds no further."""
+
+    def kill(self) -> None:
+        """End the worker's process."""
+
+    def close(self) -> None:
+        """Make no other worker after this one."""
+
+    def retire(self) -> None:
+        """End the worker, which is idle; Retired."""
+
+
+class Cluster(Protocol):
+    """What the pool asks of Ray."""
+
+    def nodes(self) -> list[Node]:
+        """Those that live now."""
+
+    def make_slot(self, node: Node) -> Slot:
+        """Begin to bring a worker up there; its reports come by themselves."""
+
+    def request(self, workers: int) -> None:
+        """Ask the autoscaler, if there is one, for a cluster that holds so many; 0: any."""
+
+
+class ActorPool:
+    """Slots, until a service closes the pool or none comes. `follow` runs on a thread beside."""
+
+    def __init__(self, outbox: Outbox, cluster: Cluster, bounds: Bounds) -> None:
+        """Make no slot yet."""
+        self._outbox = outbox
+        self._cluster = cluster
+        self._bounds = bounds
+        self._demand = 0  # workers that there is work for
+        self._requested: int | None = None  # of the autoscaler; whoever was here before us, too
+        self._slots: list[Slot] = []
+        self._lock = threading.Lock()  # of the slots
+        self._capacity: Capacity | None = None
+        self._closed = threading.Event()
+        self._awake = threading.Event()
+
+    def serve(self, listener: socket.socket) -> None:
+        """Do what services say that connect to the listener."""
+        while not self._closed.is_set() and (channel := self._next_service(listener)) is not None:
+            with channel:
+                self._outbox.attach(channel)
+                try:
+                    with channel.makefile("rb") as lines:
+                        for line in lines:
+                            self._obey(json.loads(line))
+                except (OSError, ValueError):  # cut off, perhaps within a line
+                    pass
+                self._outbox.detach()
+        self._closed.set()
+        self._awake.set()
+        with self._lock:
+            for slot in self._slots:
+                slot.close()
+
+    def follow(self) -> None:
+        """Have slots come and go with nodes and demand, until the pool is closed.
+
+        What was asked of the autoscaler is taken back then.
+        """
+        while not self._closed.is_set():
+            try:
+                self.look()
+            except Exception:  # Ray was asked in a bad moment; it is asked again
+                traceback.print_exc(file=sys.stderr)
+            self._awake.wait(LOOK_SECONDS)
+            self._awake.clear()
+        if self._requested:
+            self._request(0)
+
+    def demand(self, workers: int) -> None:
+        """There is work for so many workers."""
+        self._demand = workers
+        self._awake.set()
+
+    def look(self) -> None:
+        """See which nodes live, and make, retire and close slots accordingly."""
+        nodes = self._cluster.nodes()
+        wanted = self._bounds.wanted(self._demand)
+        with self._lock:
+            lost = self._take_out_lost({node.name for node in nodes})
+            self._retire_idle(wanted)
+            for node in vacancies(nodes, Counter(slot.node for slot in self._slots), wanted):
+                self._slots.append(self._cluster.make_slot(node))
+            slots = len(self._slots)
+        for slot in lost:  # a process there may not have noticed that its node counts as dead
+            slot.close()
+            slot.kill()
+        self._tell(Capacity(min(sum(node.room for node in nodes), self._bounds.most), slots))
+        self._request(wanted if wanted > slots else 0)
+
+    def _take_out_lost(self, living: set[str]) -> list[Slot]:
+        lost = [slot for slot in self._slots if slot.node not in living]
+        self._slots = [slot for slot in self._slots if slot.node in living]
+        return lost
+
+    def _retire_idle(self, wanted: int) -> None:
+        """Retire what is idle and not wanted; first where it empties a node."""
+        idle = [slot for slot in self._slots if slot.idle_seconds > IDLE_SECONDS]
+        others = Counter(slot.node for slot in self._slots if slot not in idle)
+        idle.sort(key=lambda slot: (others[slot.node], slot.node))
+        for slot in idle[: max(0, len(self._slots) - wanted)]:
+            self._slots.remove(slot)
+            slot.retire()
+
+    def _tell(self, capacity: Capacity) -> None:
+        if capacity != self._capacity:
+            self._capacity = capacity
+            self._outbox.put(to_line(capacity))
+
+    def _request(self, workers: int) -> None:
+        if workers != self._requested:
+            self._cluster.request(workers)
+            self._requested = workers
+
+    def _next_service(self, listener: socket.socket) -> socket.socket | None:
+        """Wait for a service: long while something is in training, else briefly."""
+        listener.settimeout(1.0)
+        begun = time.monotonic()
+        while True:
+            try:
+                channel, _ = listener.accept()
+            except TimeoutError:
+                patience = OUTAGE_SECONDS if self._outbox.is_busy else IDLE_OUTAGE_SECONDS
+                if time.monotonic() - begun > patience:
+                    return None
+            else:
+                channel.settimeout(None)
+                return channel
+
+    def _obey(self, command: dict[str, Any]) -> None:
+        if command["do"] == "close":
+            self._closed.set()
+            self._awake.set()
+            return
+        if command["do"] == "demand":
+            self.demand(command["workers"])
+            return
+        if command["do"] == "acknowledge":
+            self._outbox.acknowledge(command["count"])
+            return
+        with self._lock:
+            slot = next((slot for slot in self._slots if slot.worker == command["worker"]), None)
+            if slot is None:
+                return
+            if command["do"] == "train":
+                slot.train(command["work"])
+            elif command["do"] == "drop":
+                slot.drop(command["seeds"])
+            elif command["do"] == "kill":
+                slot.kill()

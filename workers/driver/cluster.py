@@ -1,0 +1,145 @@
+"""The Ray cluster that workers are on, joined or made for them, and the process that drives it.
+
+With `workers/driver/actor.py` the only file that knows Ray.
+"""
+
+import itertools
+import logging
+import os
+import socket
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import ray
+from ray.autoscaler.sdk import request_resources
+
+from workers.driver.actor import Slot
+from workers.driver.actor_pool import ActorPool
+from workers.driver.outbox import Outbox
+from workers.driver.placement import Bounds, Node, room
+
+OBJECT_STORE_BYTES = 80 * 2**20  # nearly Ray's least; progress is small and never stored
+JOIN_SECONDS = 20.0
+WITHDRAWAL_SECONDS = 1.0
+"""How long taking back what was asked of the autoscaler may hold up the end."""
+START_SECONDS = 90.0  # on a busy machine; alone it takes 5 to 8
+
+
+class RayCluster:
+    """The cluster that this process is connected to."""
+
+    def __init__(
+        self,
+        logs: Path,
+        checkpoints: str,
+        send: Callable[[str], None],
+        *,
+        worker_bytes: int,
+        is_ours: bool,
+    ) -> None:
+        """Workers write to these folders, each its own files, and report to `send`.
+
+        Each is promised so much memory; with 0, what there is. A cluster of our own has no
+        autoscaler.
+        """
+        self._worker_bytes = worker_bytes
+        self._is_ours = is_ours
+        self._own_node = ray.get_runtime_context().get_node_id()
+        self._names = itertools.count(1)
+        self._logs = logs
+        self._checkpoints = checkpoints
+        self._send = send
+
+    def nodes(self) -> list[Node]:
+        """Return the living ones with room for a worker.
+
+        Ends the process where the node that it is on is dead: no worker comes up any more then.
+        """
+        found: list[dict[str, Any]] = ray.nodes()  # type: ignore[no-untyped-call]
+        living = [node for node in found if node["Alive"]]
+        if self._own_node not in {node["NodeID"] for node in living}:
+            _give_up("Ray's node on this machine is dead: its raylet was killed, or did not answer")
+        nodes = [Node(n["NodeID"], room(n["Resources"], self._worker_bytes)) for n in living]
+        return [node for node in nodes if node.room > 0]
+
+    def make_slot(self, node: Node) -> Slot:
+        """Begin to bring a worker up there."""
+        return Slot(
+            node, self._names, self._logs, self._checkpoints, self._send, self._worker_bytes
+        )
+
+    def request(self, workers: int) -> None:
+        """Ask the autoscaler, if there is one, for a cluster that holds so many; 0: any.
+
+        Ray keeps to what was asked last, also after whoever asked has ended. Actors that wait to be
+        placed would ask it too, but each asks for a core beside those that are in use, is pinned to
+        a node here, and goes on asking where the work has been done by others meanwhile.
+        """
+        if not self._is_ours:
+            worker = {"CPU": 1} | ({"memory": self._worker_bytes} if self._worker_bytes else {})
+            request_resources(bundles=workers * [worker])
+
+
+def drive(
+    listener: socket.socket,
+    bounds: Bounds,
+    address: str,
+    *,
+    worker_bytes: int,
+    logs: Path,
+    checkpoints: str,
+    spool: Path,
+    scratch: str,
+) -> None:
+    """Join the cluster, or make one for the workers, and obey who connects to the listener."""
+    if address:
+        with _deadline(JOIN_SECONDS, f"Ray at {address} did not answer in {JOIN_SECONDS:.0f} s"):
+            ray.init(address=address, log_to_driver=False, logging_level=logging.WARNING)
+    else:
+        with _deadline(START_SECONDS, f"Ray did not start in {START_SECONDS:.0f} s"):
+            ray.init(
+                address="local",
+                num_cpus=bounds.most,
+                object_store_memory=OBJECT_STORE_BYTES,
+                include_dashboard=False,
+                log_to_driver=False,
+                logging_level=logging.WARNING,
+                _temp_dir=scratch,
+            )
+    try:
+        outbox = Outbox(spool)
+        cluster = RayCluster(
+            logs, checkpoints, outbox.put, worker_bytes=worker_bytes, is_ours=not address
+        )
+        pool = ActorPool(outbox, cluster, bounds)
+        follower = threading.Thread(target=pool.follow, name="nodes", daemon=True)
+        follower.start()
+        pool.serve(listener)
+        follower.join(WITHDRAWAL_SECONDS)
+    finally:
+        ray.shutdown()
+
+
+def _give_up(complaint: str) -> None:
+    """End the process with the complaint as its last words."""
+    print(complaint, file=sys.stderr, flush=True)  # noqa: T201
+    os._exit(1)
+
+
+@contextmanager
+def _deadline(seconds: float, complaint: str) -> Iterator[None]:
+    """End the process, with the complaint as its last words, when the block takes longer.
+
+    `ray.init` waits for ever for a cluster that does not answer, and cannot be interrupted.
+    """
+    timer = threading.Timer(seconds, _give_up, [complaint])
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()

@@ -1,0 +1,175 @@
+"""Reports on their way to the service, kept until it says that they are recorded.
+
+Nothing that a worker said depends on whether somebody listens: what was not acknowledged is told
+again to whoever listens next, after a line for each worker that says what it was doing before.
+While nobody listens the lines are also written to a file (the spool), which is all that is left of
+them when this process ends as well.
+"""
+
+import contextlib
+import socket
+import threading
+from collections import deque
+from collections.abc import Iterable
+from io import BufferedWriter
+from pathlib import Path
+
+from workers.messages.report import (
+    Busy,
+    Capacity,
+    Ended,
+    Failed,
+    Lost,
+    Ready,
+    Report,
+    Retired,
+    from_line,
+    to_line,
+)
+
+GREETING = '{"kind": "greeting"}'
+"""The first line of every connection: the pool is there and speaks."""
+
+
+class Roster:
+    """What each worker is doing, as a report that says so, and what the cluster has room for."""
+
+    def __init__(self) -> None:
+        """Know of no worker."""
+        self._capacity: Capacity | None = None
+        self._ready: dict[str, Ready] = {}
+        self._doing: dict[str, Report] = {}
+
+    def take(self, report: Report) -> None:
+        """Take a report into account."""
+        match report:
+            case Ready(worker):
+                self._ready[worker] = self._doing[worker] = report
+            case Busy(worker):
+                self._doing[worker] = report
+            case Ended(worker) | Failed(worker):
+                if worker in self._ready:
+                    self._doing[worker] = self._ready[worker]
+            case Lost(worker) | Retired(worker):
+                self._ready.pop(worker, None)
+                self._doing.pop(worker, None)
+            case Capacity():
+                self._capacity = report
+
+    @property
+    def reports(self) -> list[Report]:
+        """One for the cluster, once it is known, and one for each worker."""
+        of_cluster = [] if self._capacity is None else [self._capacity]
+        return [*of_cluster, *self._doing.values()]
+
+    @property
+    def workers(self) -> list[str]:
+        """Their names."""
+        return list(self._doing)
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether any worker trains."""
+        return any(isinstance(report, Busy) for report in self._doing.values())
+
+
+class Outbox:
+    """Takes lines from any thread and sends them on one of its own."""
+
+    def __init__(self, spool: Path) -> None:
+        """Start the thread; nobody listens yet."""
+        self._spool_path = spool
+        self._spool: BufferedWriter | None = None
+        self._lock = threading.Condition()
+        self._channel: socket.socket | None = None
+        self._recorded = Roster()  # as of the last line that was acknowledged
+        self._told = Roster()
+        self._unacknowledged: deque[str] = deque()
+        self._unsent: deque[str] = deque()
+        self._introduction = 0  # lines of the roster that are yet to be acknowledged
+        threading.Thread(target=self._send, name="outbox", daemon=True).start()
+
+    def put(self, line: str) -> None:
+        """Send a report, now or when somebody listens."""
+        with self._lock:
+            self._told.take(from_line(line))
+            self._unacknowledged.append(line)
+            self._unsent.append(line)
+            if self._channel is None:
+                self._write([line])
+            self._lock.notify()
+
+    def attach(self, channel: socket.socket) -> None:
+        """Tell the one at the other end everything that is not recorded, then what comes."""
+        with self._lock:
+            introduction = [to_line(report) for report in self._recorded.reports]
+            self._introduction = len(introduction)
+            self._unsent = deque([GREETING, *introduction, *self._unacknowledged])
+            self._channel = channel
+            self._lock.notify()
+
+    def detach(self) -> None:
+        """Nobody listens any more: from now on everything is on disk too."""
+        with self._lock:
+            self._channel = None
+            self._close_spool()
+            self._write([*map(to_line, self._recorded.reports), *self._unacknowledged])
+
+    def acknowledge(self, count: int) -> None:
+        """The first so many lines that were sent and not acknowledged are recorded."""
+        with self._lock:
+            of_introduction = min(count, self._introduction)
+            self._introduction -= of_introduction
+            for _ in range(min(count - of_introduction, len(self._unacknowledged))):
+                self._recorded.take(from_line(self._unacknowledged.popleft()))
+            if not self._unacknowledged:
+                self._close_spool()
+                self._spool_path.unlink(missing_ok=True)
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether any worker trains."""
+        with self._lock:
+            return self._told.is_busy
+
+    def _send(self) -> None:
+        while True:
+            with self._lock:
+                self._lock.wait_for(lambda: self._channel is not None and self._unsent)
+                channel, line = self._channel, self._unsent.popleft()
+            if channel is not None:
+                with contextlib.suppress(OSError):  # it is gone, and will be detached
+                    channel.sendall(line.encode() + b"\n")
+
+    def _write(self, lines: Iterable[str]) -> None:
+        """Append to the spool. On a full disk the lines are in memory alone."""
+        with contextlib.suppress(OSError):
+            if self._spool is None:
+                self._spool_path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+                self._spool = self._spool_path.open("wb")
+            for line in lines:
+                self._spool.write(line.encode() + b"\n")
+            self._spool.flush()
+
+    def _close_spool(self) -> None:
+        if self._spool is not None:
+            with contextlib.suppress(OSError):
+                self._spool.close()
+            self._spool = None
+
+
+def read_spool(path: Path) -> list[Report]:
+    """Return what a pool that is no more had to say, with the loss of each of its workers.
+
+    The last line may have been cut off: a damaged line and all that follow it are left out.
+    """
+    roster, reports = Roster(), []
+    for line in path.read_bytes().splitlines():
+        try:
+            reports.append(from_line(line))
+        except ValueError:
+            break
+        roster.take(reports[-1])
+    reason = "its worker ended while the service was away"
+    lost = [Lost(worker, reason, "") for worker in roster.workers]
+    return [*reports, *lost]

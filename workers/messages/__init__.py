@@ -1,0 +1,1 @@
+"""Messages: what the service, its pool and the workers say to each other."""

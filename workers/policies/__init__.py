@@ -1,0 +1,1 @@
+"""Policies: what runs have learned, acting."""

@@ -1,0 +1,1 @@
+"""The pool: the service's end of its workers."""

@@ -1,0 +1,1 @@
+"""Training: a cohort from its specs to its progress."""
