@@ -15,7 +15,7 @@ from gymnasium.envs.registration import EnvSpec
 import physics
 from physics.gym.registration import TaskSpec, register
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 
 
 def fresh(code: str, *paths: Path) -> str:

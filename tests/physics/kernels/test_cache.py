@@ -66,7 +66,7 @@ class Program:
             env={
                 **os.environ,
                 "XDG_CACHE_HOME": str(self.cache),
-                "PYTHONPATH": str(Path(__file__).parents[2]),
+                "PYTHONPATH": str(Path(__file__).parents[3]),
             },
         )
         assert answer.returncode == 0, answer.stderr

@@ -114,7 +114,7 @@ def test_the_digest_follows_every_file_of_the_closure_and_no_other(project: Path
 
 
 def test_a_kernel_of_the_project_reaches_the_kernels_it_calls() -> None:
-    closure = source_closure.closure(source_closure.ROOT / "algorithms" / "ddpg_update.py")
+    closure = source_closure.closure(source_closure.ROOT / "algorithms/actor_critic/ddpg_update.py")
     names = {file.stem for file in closure}
     assert {"bellman", "layer", "replay", "compiled"} <= names
     assert "half_cheetah" not in names

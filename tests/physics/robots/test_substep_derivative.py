@@ -13,7 +13,7 @@ import pytest
 @pytest.fixture(scope="module")
 def found() -> dict[str, Any]:
     """What other_robots.py finds, uncompiled."""
-    root = Path(__file__).parents[2]
+    root = Path(__file__).parents[3]
     environment = {**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(root)}
     run = subprocess.run(
         [sys.executable, "-m", "tests.physics.other_robots"],

@@ -10,7 +10,7 @@ import hatch_build
 from service.api.routes import pages
 from service.api.routes.pages import modules, static_version
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[4]
 PAGES = ("/", "/sweeps/3f9a0c51b7de")
 
 
