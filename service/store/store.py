@@ -20,6 +20,7 @@ from service.analysis.cost import PastCost
 from service.metrics import MEASUREMENTS
 from service.model.claim import CellLimit, Claim, no_limit
 from service.model.event import Event
+from service.model.move import Move
 from service.model.run import Attempt, Run, RunStatus
 from service.model.run_curve import RunCurve
 from service.model.sweep import Sweep
@@ -112,21 +113,9 @@ class Store:
         """Return sweeps, newest first, from the one that follows the sweep `after`."""
         return self._reader.read(lambda c: sweeps.page(c, after, limit))
 
-    def cancel_sweep(self, sweep_id: str) -> Sweep:
-        """Cancel what has not ended. Raises NotFoundError, ImpossibleMoveError."""
-        return self._writer.write(lambda c: sweep_moves.cancel(c, sweep_id))
-
-    def pause_sweep(self, sweep_id: str) -> Sweep:
-        """Start none of its runs. Raises NotFoundError, ImpossibleMoveError."""
-        return self._writer.write(lambda c: sweep_moves.pause(c, sweep_id))
-
-    def resume_sweep(self, sweep_id: str) -> Sweep:
-        """Queue its paused runs. Raises NotFoundError, ImpossibleMoveError."""
-        return self._writer.write(lambda c: sweep_moves.resume(c, sweep_id))
-
-    def retry_sweep(self, sweep_id: str) -> Sweep:
-        """Queue its failed runs again. Raises NotFoundError, ImpossibleMoveError."""
-        return self._writer.write(lambda c: sweep_moves.retry(c, sweep_id))
+    def move_sweep(self, sweep_id: str, asked: Move) -> Sweep:
+        """Cancel, pause, resume or retry a sweep. Raises NotFoundError, ImpossibleMoveError."""
+        return self._writer.write(lambda c: sweep_moves.move_sweep(c, sweep_id, asked))
 
     def find_run(self, run_id: str) -> Run | None:
         """Return one run, or None."""
@@ -157,21 +146,9 @@ class Store:
             )
         )
 
-    def cancel_run(self, run_id: str) -> Run:
-        """Cancel a run. Raises NotFoundError, ImpossibleMoveError."""
-        return self._writer.write(lambda c: run_moves.cancel(c, run_id))
-
-    def pause_run(self, run_id: str) -> Run:
-        """Keep a queued run from being started. Raises NotFoundError, ImpossibleMoveError."""
-        return self._writer.write(lambda c: run_moves.pause(c, run_id))
-
-    def resume_run(self, run_id: str) -> Run:
-        """Queue a paused run. Raises NotFoundError, ImpossibleMoveError."""
-        return self._writer.write(lambda c: run_moves.resume(c, run_id))
-
-    def retry_run(self, run_id: str) -> Run:
-        """Queue a failed run again. Raises NotFoundError, ImpossibleMoveError."""
-        return self._writer.write(lambda c: run_moves.retry(c, run_id))
+    def move_run(self, run_id: str, asked: Move) -> Run:
+        """Cancel, pause, resume or retry one run. Raises NotFoundError, ImpossibleMoveError."""
+        return self._writer.write(lambda c: run_moves.move_run(c, run_id, asked))
 
     def attempts(self, run_id: str) -> list[Attempt]:
         """Return every attempt of a run, the first one first."""
