@@ -38,10 +38,10 @@ from service.api.schemas.score_table_answer import ScoreTableAnswer
 from service.api.schemas.statistics_answer import StatisticsAnswer
 from service.api.schemas.sweep_answer import DryRunAnswer, SweepAnswer
 from service.api.schemas.sweep_request import SweepRequest
+from service.model.move import Move
 
 API = "/api/v1"
 
-Move = Literal["cancel", "pause", "resume", "retry"]
 Option = str | bool | int
 Answer = TypeVar("Answer", bound=BaseModel)
 Request = SweepRequest | Mapping[str, Any]

@@ -14,46 +14,68 @@ from workers.checkpoints.place import Place, place_of
 LOOPBACK_HOSTS = frozenset({"127.0.0.1", "localhost", "[::1]"})
 WILDCARD_ADDRESSES = frozenset({"0.0.0.0", "::"})  # noqa: S104 - recognised, not bound
 MIN_TOKEN_LENGTH = 16
+ENV_PREFIX = "D3PG_"
 
 
 class Settings(BaseSettings):
     """The service's settings. A wrong one is refused by name when the service starts.
 
-    host          address to bind; another than loopback needs `allow_host`
-    port          TCP port
-    data_dir      database, token, logs and, if not elsewhere, checkpoints of one service
-    checkpoints   where the workers keep them: a folder, as they see it, or s3://bucket/prefix;
-                  empty: in the data directory
-    database_url  SQLAlchemy URL; empty: SQLite in the data directory
-    ray_address   a Ray cluster to join; empty: a local one of the service's own
-    workers       local worker slots; default: the cores this process may use
-    min_workers   on a joined cluster: workers that are kept however little there is to do
-    max_workers   on a joined cluster: the most there may be, and that its autoscaler is asked for
-    worker_memory what the runs of one worker may fill ("6GB"); default: a share of the machine's
-    token         access token; empty: the data directory's token file
-    allow_host    host names, besides loopback, under which browsers may reach the service
+    The descriptions are what `d3pg serve --help` says; it adds the defaults.
     """
 
     model_config = SettingsConfigDict(
-        env_prefix="D3PG_",
+        env_prefix=ENV_PREFIX,
         env_ignore_empty=True,
         extra="ignore",
         frozen=True,
         hide_input_in_errors=True,  # it may hold a secret
     )
 
-    host: str = "127.0.0.1"
-    port: int = Field(default=8000, ge=0, le=65535)
-    data_dir: Path = Path("d3pg-data")
-    checkpoints: str = ""
-    database_url: str = ""
-    ray_address: str = ""
-    workers: int = Field(default_factory=lambda: len(os.sched_getaffinity(0)), ge=1, le=4096)
-    min_workers: int = Field(default=1, ge=0, le=4096)
-    max_workers: int = Field(default=1024, ge=1, le=4096)
-    worker_memory: ByteSize | None = Field(default=None, ge=LEAST_BYTES)
-    token: SecretStr | None = None
-    allow_host: Annotated[tuple[str, ...], NoDecode] = ()
+    host: str = Field(default="127.0.0.1", description="Address to bind")
+    port: int = Field(default=8000, ge=0, le=65535, description="TCP port")
+    data_dir: Path = Field(
+        default=Path("d3pg-data"),
+        description="Database, token, logs, checkpoints",
+    )
+    checkpoints: str = Field(
+        default="",
+        description="Another folder for checkpoints, as the workers see it, or s3://bucket/prefix",
+    )
+    database_url: str = Field(
+        default="",
+        description="SQLAlchemy URL of another database than SQLite in the data directory",
+    )
+    ray_address: str = Field(
+        default="",
+        description="A Ray cluster to join, instead of a local one of its own",
+    )
+    workers: int = Field(
+        default_factory=lambda: len(os.sched_getaffinity(0)),
+        ge=1,
+        le=4096,
+        description="Local worker slots; the cores this process may use if unset",
+    )
+    min_workers: int = Field(
+        default=1, ge=0, le=4096, description="Kept on a joined cluster, however idle"
+    )
+    max_workers: int = Field(
+        default=1024,
+        ge=1,
+        le=4096,
+        description="Most on a joined cluster, also asked of its autoscaler",
+    )
+    worker_memory: ByteSize | None = Field(
+        default=None,
+        ge=LEAST_BYTES,
+        description="What the runs of one worker may fill, such as 6GB",
+    )
+    token: SecretStr | None = Field(
+        default=None, description="Access token, instead of the token file's"
+    )
+    allow_host: Annotated[tuple[str, ...], NoDecode] = Field(
+        default=(),
+        description="Host names to answer to besides loopback, separated by commas",
+    )
 
     @field_validator("allow_host", mode="before")
     @classmethod
@@ -133,6 +155,11 @@ class Settings(BaseSettings):
         """Where a browser on this machine finds the service."""
         host = "127.0.0.1" if self.host in WILDCARD_ADDRESSES else as_url_host(self.host)
         return f"http://{host}:{self.port}"
+
+
+def variable_of(name: str) -> str:
+    """Return the environment variable of a setting."""
+    return f"{ENV_PREFIX}{name.upper()}"
 
 
 def as_url_host(host: str) -> str:

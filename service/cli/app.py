@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+from collections.abc import Callable
 from typing import Annotated
 
 import typer
@@ -19,13 +20,14 @@ from service.cli.doctor import doctor
 from service.cli.exporting import export, plot, table
 from service.cli.following import watch
 from service.cli.listing import ls, show
-from service.cli.moving import cancel, pause, resume, retry
+from service.cli.moving import command_of
 from service.cli.rolling import rollout
 from service.cli.serving import serve
 from service.cli.submitting import submit
 from service.cli.terminal import AsJson, console, say
 from service.cli.verifying import verify
 from service.client import ServiceError, find_token
+from service.model.move import TRANSITIONS
 
 app = typer.Typer(
     name="d3pg",
@@ -35,8 +37,8 @@ app = typer.Typer(
 )
 app.add_typer(db.app)
 app.add_typer(paper.app)
-COMMANDS = (
-    serve, submit, ls, show, watch, cancel, pause, resume, retry, export, table, plot, rollout,
+COMMANDS: tuple[Callable[..., None], ...] = (
+    serve, submit, ls, show, watch, *map(command_of, TRANSITIONS), export, table, plot, rollout,
     verify, doctor,
 )  # fmt: skip
 for command in COMMANDS:

@@ -2,30 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from service.api.schemas.sweep_answer import SweepAnswer
 from service.cli.following import counts_text
 from service.cli.terminal import AsJson, Identifier, print_json, say
-from service.client import Client, Move
+from service.client import Client
+from service.model.move import TRANSITIONS, Move
 
 
-def cancel(identifier: Identifier, as_json: AsJson = False) -> None:
-    """Cancel a sweep or one run; what it measured so far stays."""
-    move(identifier, "cancel", as_json)
+def command_of(asked: Move) -> Callable[[str, bool], None]:
+    """Return the command that asks for a move."""
 
+    def command(identifier: Identifier, as_json: AsJson = False) -> None:
+        move(identifier, asked, as_json)
 
-def pause(identifier: Identifier, as_json: AsJson = False) -> None:
-    """Start none of the queued runs; those that are running go on to their end."""
-    move(identifier, "pause", as_json)
-
-
-def resume(identifier: Identifier, as_json: AsJson = False) -> None:
-    """Queue what was paused."""
-    move(identifier, "resume", as_json)
-
-
-def retry(identifier: Identifier, as_json: AsJson = False) -> None:
-    """Queue failed runs again, and only those; what they measured stays."""
-    move(identifier, "retry", as_json)
+    command.__name__ = asked
+    command.__doc__ = TRANSITIONS[asked].help
+    return command
 
 
 def move(identifier: str, asked: Move, as_json: bool) -> None:

@@ -7,34 +7,61 @@ up changes nothing. Every change appends its event in the same transaction. Floa
 went in (see `column_types.Exact`), NaN and infinities too. A database that restarts is waited for
 (`outage`): what was under way then happens once, and late.
 
+Most methods are a query or a command of another file, which says there what it does to a
+connection: `find_run = _reads(runs.find)`.
+
 One store writes to a database: a second is refused (on SQLite by the lock on the data directory).
 """
 
-from collections.abc import Collection, Mapping, Sequence
-from typing import Any, Self
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import wraps
+from typing import Concatenate, ParamSpec, Self, TypeVar
 
 from sqlalchemy import Connection, Engine, text
 
-from algorithms.measurement import Measurement
-from service.analysis.cost import PastCost
 from service.metrics import MEASUREMENTS
 from service.model.claim import CellLimit, Claim, no_limit
-from service.model.event import Event
-from service.model.run import Attempt, Run, RunStatus
-from service.model.run_curve import RunCurve
-from service.model.sweep import Sweep
 from service.store import records
 from service.store.claiming import checkpoints, claims, endings, run_moves, sweep_moves
 from service.store.claiming.retry import RetryPolicy
 from service.store.connection import connect
 from service.store.reader import Reader
-from service.store.reading import costs, events, measurements, random_returns, runs, sweeps
-from service.store.reading.run_order import AS_MADE, RunOrder
+from service.store.reading import costs, events, runs, sweeps
+from service.store.reading import measurements as measured
+from service.store.reading import random_returns as zeros
 from service.store.upkeep.migration import upgrade
 from service.store.writer import Writer
 from workers.messages.progress import Progress
-from workers.messages.random_return import RandomReturn
-from workers.messages.run_spec import COHORT_LIMIT, RunSpec
+from workers.messages.run_spec import COHORT_LIMIT
+
+P = ParamSpec("P")
+Result = TypeVar("Result")
+
+
+def _reads(
+    query: Callable[Concatenate[Connection, P], Result],
+) -> Callable[Concatenate[Store, P], Result]:
+    """Return the method that finds what the query finds."""
+
+    @wraps(query)
+    def method(store: Store, /, *args: P.args, **kwargs: P.kwargs) -> Result:
+        return store.read(query, *args, **kwargs)
+
+    return method
+
+
+def _writes(
+    command: Callable[Concatenate[Connection, P], Result],
+) -> Callable[Concatenate[Store, P], Result]:
+    """Return the method that does what the command does."""
+
+    @wraps(command)
+    def method(store: Store, /, *args: P.args, **kwargs: P.kwargs) -> Result:
+        return store.write(command, *args, **kwargs)
+
+    return method
 
 
 class Store:
@@ -69,115 +96,47 @@ class Store:
         if self._writer.is_failing:
             self._writer.write(lambda _: None)  # the commit's name is written
 
+    def read(
+        self,
+        query: Callable[Concatenate[Connection, P], Result],
+        *args: P.args,
+        **kwargs: P.kwargs,
+    ) -> Result:
+        """Return what the query finds, in a transaction of its own."""
+        return self._reader.read(lambda connection: query(connection, *args, **kwargs))
+
+    def write(
+        self,
+        command: Callable[Concatenate[Connection, P], Result],
+        *args: P.args,
+        **kwargs: P.kwargs,
+    ) -> Result:
+        """Carry out the command in a transaction of its own, and return what it returned."""
+        return self._writer.write(lambda connection: command(connection, *args, **kwargs))
+
     # ---- sweeps and runs
 
-    def create_sweep(
-        self,
-        name: str,
-        priority: int,
-        request: Mapping[str, Any],
-        specs: Sequence[RunSpec],
-        *,
-        environment_versions: Mapping[str, int],
-        submission_key: str | None = None,
-    ) -> Sweep:
-        """Write a sweep and its runs; the versions are those of the specs' environments.
-
-        Under a submission key that was used before, return the sweep that was made then. Raises
-        SubmissionKeyReusedError where that one was another.
-        """
-        if not specs:
-            raise ValueError("a sweep has at least one run, got none")
-        return self._writer.write(
-            lambda c: sweeps.create(
-                c,
-                name=name,
-                priority=priority,
-                request=request,
-                specs=specs,
-                environment_versions=environment_versions,
-                submission_key=submission_key,
-            )
-        )
-
-    def find_sweep(self, sweep_id: str) -> Sweep | None:
-        """Return one sweep, or None."""
-        return self._reader.read(lambda c: sweeps.find(c, sweep_id))
-
-    def sweep_request(self, sweep_id: str) -> Mapping[str, Any]:
-        """Return what was posted. Raises NotFoundError."""
-        return self._reader.read(lambda c: sweeps.request(c, sweep_id))
-
-    def list_sweeps(self, after: str | None = None, limit: int = 50) -> list[Sweep]:
-        """Return sweeps, newest first, from the one that follows the sweep `after`."""
-        return self._reader.read(lambda c: sweeps.page(c, after, limit))
-
-    def cancel_sweep(self, sweep_id: str) -> Sweep:
-        """Cancel what has not ended. Raises NotFoundError, ImpossibleMoveError."""
-        return self._writer.write(lambda c: sweep_moves.cancel(c, sweep_id))
-
-    def pause_sweep(self, sweep_id: str) -> Sweep:
-        """Start none of its runs. Raises NotFoundError, ImpossibleMoveError."""
-        return self._writer.write(lambda c: sweep_moves.pause(c, sweep_id))
-
-    def resume_sweep(self, sweep_id: str) -> Sweep:
-        """Queue its paused runs. Raises NotFoundError, ImpossibleMoveError."""
-        return self._writer.write(lambda c: sweep_moves.resume(c, sweep_id))
-
-    def retry_sweep(self, sweep_id: str) -> Sweep:
-        """Queue its failed runs again. Raises NotFoundError, ImpossibleMoveError."""
-        return self._writer.write(lambda c: sweep_moves.retry(c, sweep_id))
-
-    def find_run(self, run_id: str) -> Run | None:
-        """Return one run, or None."""
-        return self._reader.read(lambda c: runs.find(c, run_id))
-
-    def list_runs(
-        self,
-        sweep_id: str,
-        *,
-        status: RunStatus | None = None,
-        algorithm: str | None = None,
-        environment: str | None = None,
-        order: RunOrder = AS_MADE,
-        after: str | None = None,
-        limit: int = 100,
-    ) -> list[Run]:
-        """Return runs of a sweep in an order, from the one that follows the run `after`."""
-        return self._reader.read(
-            lambda c: runs.page(
-                c,
-                sweep_id,
-                status=status,
-                algorithm=algorithm,
-                environment=environment,
-                order=order,
-                after=after,
-                limit=limit,
-            )
-        )
-
-    def cancel_run(self, run_id: str) -> Run:
-        """Cancel a run. Raises NotFoundError, ImpossibleMoveError."""
-        return self._writer.write(lambda c: run_moves.cancel(c, run_id))
-
-    def pause_run(self, run_id: str) -> Run:
-        """Keep a queued run from being started. Raises NotFoundError, ImpossibleMoveError."""
-        return self._writer.write(lambda c: run_moves.pause(c, run_id))
-
-    def resume_run(self, run_id: str) -> Run:
-        """Queue a paused run. Raises NotFoundError, ImpossibleMoveError."""
-        return self._writer.write(lambda c: run_moves.resume(c, run_id))
-
-    def retry_run(self, run_id: str) -> Run:
-        """Queue a failed run again. Raises NotFoundError, ImpossibleMoveError."""
-        return self._writer.write(lambda c: run_moves.retry(c, run_id))
-
-    def attempts(self, run_id: str) -> list[Attempt]:
-        """Return every attempt of a run, the first one first."""
-        return self._reader.read(lambda c: runs.history(c, run_id))
+    create_sweep = _writes(sweeps.create)
+    find_sweep = _reads(sweeps.find)
+    sweep_request = _reads(sweeps.request)
+    sweep_version = _reads(sweeps.version)
+    list_sweeps = _reads(sweeps.page)
+    move_sweep = _writes(sweep_moves.move_sweep)
+    find_run = _reads(runs.find)
+    list_runs = _reads(runs.page)
+    move_run = _writes(run_moves.move_run)
+    attempts = _reads(runs.history)
 
     # ---- the queue
+
+    waiting_cells = _reads(claims.waiting_cells)
+    count_runs = _reads(runs.count)
+    count_attempts = _reads(runs.count_attempts)
+    cancelling_runs = _reads(runs.cancelling)
+    fail = _writes(endings.fail)
+    release = _writes(endings.release)
+    ended_with_checkpoints = _reads(checkpoints.of_ended)
+    forget_checkpoints = _writes(checkpoints.forget)
 
     def claim_cohort(
         self,
@@ -205,26 +164,7 @@ class Store:
             return lambda cell: min(limit, limit_of(cell), COHORT_LIMIT)
 
         limits = [(worker, at_most(limit)) for worker, limit in asked]
-        return self._writer.write(lambda c: claims.claim_all(c, limits, lease_seconds))
-
-    def waiting_cells(self, limit: int) -> list[int]:
-        """Return of each cell how many runs could be claimed now, together.
-
-        No more runs than the limit are counted.
-        """
-        return self._reader.read(lambda c: claims.waiting_cells(c, limit))
-
-    def count_runs(self) -> dict[str, int]:
-        """Return how many runs of all sweeps there are by status, every status named."""
-        return self._reader.read(runs.count)
-
-    def count_attempts(self) -> dict[str, int]:
-        """Return how many attempts of all runs there were by outcome."""
-        return self._reader.read(runs.count_attempts)
-
-    def cancelling_runs(self) -> set[str]:
-        """Return the running runs whose workers are to stop them."""
-        return self._reader.read(runs.cancelling)
+        return self.write(claims.claim_all, limits, lease_seconds)
 
     def record(self, claim: Claim, progress: Progress) -> set[str]:
         """Write what a worker said, renew the lease, end runs that ended by themselves.
@@ -239,95 +179,31 @@ class Store:
 
         A claim that was given up changes nothing and keeps none of the others from it.
         """
-        held = self._writer.write(lambda c: records.record_all(c, said))
+        held = self.write(records.record_all, said)
         MEASUREMENTS.inc(sum(len(progress.measurements) for _, progress in said))
         return held
 
-    def fail(self, claim: Claim, error: str, log_tail: str = "") -> None:
-        """End what is left of the claim as failed: an error in code, which would happen again."""
-        self._writer.write(lambda c: endings.fail(c, claim, error, log_tail))
-
-    def release(self, claim: Claim, reason: str) -> None:
-        """Queue what is left of the claim again at once; nothing was wrong with it.
-
-        Here and in `lose`: runs whose cancelling was asked for are cancelled instead.
-        """
-        self._writer.write(lambda c: endings.release(c, claim, reason))
-
     def lose(self, claim: Claim, reason: str, log_tail: str = "") -> None:
         """Queue what is left of the claim again after a wait, or fail it after too many losses."""
-        self._writer.write(lambda c: endings.lose(c, claim, reason, log_tail, self._retry))
+        self.write(endings.lose, claim, reason, log_tail, self._retry)
 
     def lose_expired(self) -> int:
         """Do as `lose` with every run whose lease has ended; return how many there were."""
-        if not self._reader.read(claims.has_expired):  # usually: then nothing is written
+        if not self.read(claims.has_expired):  # usually: then nothing is written
             return 0
-        return self._writer.write(lambda c: endings.lose_expired(c, self._retry))
-
-    def ended_with_checkpoints(self, limit: int) -> list[str]:
-        """Return runs that have ended and may have files of checkpoints."""
-        return self._reader.read(lambda c: checkpoints.of_ended(c, limit))
-
-    def forget_checkpoints(self, run_ids: Sequence[str]) -> None:
-        """Note that these runs have no such files, unless they were tried again meanwhile."""
-        self._writer.write(lambda c: checkpoints.forget(c, run_ids))
+        return self.write(endings.lose_expired, self._retry)
 
     # ---- what was measured
 
-    def measurements(self, run_id: str) -> list[Measurement]:
-        """Return every measurement of a run, in order of timestep."""
-        return self._reader.read(lambda c: measurements.of_run(c, run_id))
-
-    def curve_points(
-        self, sweep_id: str, metric: str, x: str = "timesteps", ordinal: int | None = None
-    ) -> list[RunCurve]:
-        """Return one metric of every run of a sweep, or of the one of that ordinal.
-
-        metric is "return_mean", "return_history" or a diagnostic's name; x is "timesteps",
-        "updates", "jacobians" or "seconds" (ValueError otherwise).
-        """
-        return self._reader.read(lambda c: measurements.curves(c, sweep_id, metric, x, ordinal))
-
-    def return_outlines(self, run_ids: Sequence[str], points: int) -> dict[str, list[float]]:
-        """Return about so many return_mean of each run, evenly spaced and the latest one last."""
-        return self._reader.read(lambda c: measurements.outlines(c, run_ids, points))
-
-    def diagnostic_names(self, sweep_id: str) -> list[str]:
-        """Return the names of all diagnostics that runs of the sweep have measured."""
-        return self._reader.read(lambda c: measurements.diagnostic_names(c, sweep_id))
-
-    def record_random_return(self, measured: RandomReturn) -> None:
-        """Write the random return of one environment version."""
-        self._writer.write(lambda c: random_returns.put(c, measured))
-
-    def random_returns(self) -> dict[tuple[str, int], RandomReturn]:
-        """Return every random return by (environment, version)."""
-        return self._reader.read(random_returns.of_all)
-
-    def past_costs(
-        self, algorithms: Collection[str], environments: Collection[str]
-    ) -> list[PastCost]:
-        """Return what the latest finished runs of these algorithms and environments have cost."""
-        return self._reader.read(lambda c: costs.past(c, algorithms, environments))
+    measurements = _reads(measured.of_run)
+    curve_points = _reads(measured.curves)
+    return_outlines = _reads(measured.outlines)
+    diagnostic_names = _reads(measured.diagnostic_names)
+    record_random_return = _writes(zeros.put)
+    random_returns = _reads(zeros.of_all)
+    past_costs = _reads(costs.past)
 
     # ---- events
 
-    def events_after(
-        self, event_id: int, sweep_id: str | None = None, limit: int = 1000
-    ) -> list[Event]:
-        """Return the oldest events after one, of one sweep or of all."""
-        return self._reader.read(lambda c: events.after(c, event_id, sweep_id, limit))
-
-    def last_event_id(self) -> int:
-        """Return the newest event's id, 0 when there is none."""
-        return self._reader.read(events.last_id)
-
-    def sweep_version(self, sweep_id: str) -> str | None:
-        """Return a text that changes with whatever is shown of a sweep; None: no such sweep."""
-
-        def version(connection: Connection) -> str | None:
-            last = events.last_id_of(connection, sweep_id)
-            zeros = random_returns.last_measured_at(connection)
-            return None if last is None else f"{last}-{zeros!r}"
-
-        return self._reader.read(version)
+    events_after = _reads(events.after)
+    last_event_id = _reads(events.last_id)

@@ -3,6 +3,7 @@
 import random
 from collections.abc import Callable
 
+from service.model.move import Move
 from service.model.run import FINAL, RunStatus
 from service.store.refusal import ImpossibleMoveError, NotFoundError
 from tests.service.promises import Model, Promises, sweep_of
@@ -49,42 +50,40 @@ class SimulatedUsers:
 
     def move_run(self) -> bool:
         """Cancel, pause, resume or retry a run, one that has ended too."""
-        store = self.store
-        move, fitting = self.random.choice(
-            [
-                (store.cancel_run, RunStatus.RUNNING),
-                (store.pause_run, RunStatus.QUEUED),
-                (store.resume_run, RunStatus.PAUSED),
-                (store.retry_run, RunStatus.FAILED),
-            ]
-        )
-        return self.ask(move, self.any_run(fitting), is_retry=move == store.retry_run)
+        fitting: dict[Move, RunStatus] = {
+            "cancel": RunStatus.RUNNING,
+            "pause": RunStatus.QUEUED,
+            "resume": RunStatus.PAUSED,
+            "retry": RunStatus.FAILED,
+        }
+        asked = self.random.choice(list(fitting))
+        return self.ask(asked, self.any_run(fitting[asked]))
 
     def cancel_sweep(self) -> bool:
         """Cancel any sweep: none of its runs begins after that."""
         sweep_id = sweep_of(self.any_run(RunStatus.RUNNING))
-        is_done = self.ask(self.store.cancel_sweep, sweep_id)
+        is_done = self.ask("cancel", sweep_id)
         self.promises.cancelled |= {sweep_id} if is_done else set()
         return is_done
 
     def pause_sweep(self) -> bool:
         """Pause any sweep: none of its runs begins until it is resumed."""
         sweep_id = sweep_of(self.any_run(RunStatus.RUNNING))
-        is_done = self.ask(self.store.pause_sweep, sweep_id)
+        is_done = self.ask("pause", sweep_id)
         self.promises.paused |= {sweep_id} if is_done else set()
         return is_done
 
     def resume_sweep(self, sweep_id: str | None = None) -> bool:
         """Resume any sweep."""
         sweep_id = sweep_id or sweep_of(self.any_run(RunStatus.PAUSED))
-        is_done = self.ask(self.store.resume_sweep, sweep_id)
+        is_done = self.ask("resume", sweep_id)
         self.promises.paused -= {sweep_id} if is_done else set()
         return is_done
 
     def retry_sweep(self) -> bool:
         """Have what failed in any sweep tried again."""
         sweep_id = sweep_of(self.any_run(RunStatus.FAILED))
-        return self.ask(self.store.retry_sweep, sweep_id, is_retry=True)
+        return self.ask("retry", sweep_id)
 
     def any_run(self, fitting: RunStatus) -> str:
         """Any run; as often as not one for which what is asked for makes sense."""
@@ -97,15 +96,17 @@ class SimulatedUsers:
         for sweep_id in list(self.promises.paused):
             self.resume_sweep(sweep_id)
         for name in [name for name, m in self.models.items() if m.status == RunStatus.PAUSED]:
-            self.ask(self.store.resume_run, name)
+            self.ask("resume", name)
 
-    def ask(self, move: Callable[[str], object], name: str, *, is_retry: bool = False) -> bool:
+    def ask(self, asked: Move, name: str) -> bool:
         """Ask the store for a move as a client would, who is told where it is impossible."""
-        runs = {name} if "-" in name else self.promises.of(name)
+        is_run = "-" in name
+        runs = {name} if is_run else self.promises.of(name)
+        move = self.store.move_run if is_run else self.store.move_sweep
         try:
-            with self.promises.touching(runs, is_retry=is_retry):
-                move(name)
+            with self.promises.touching(runs, is_retry=asked == "retry"):
+                move(name, asked)
         except (ImpossibleMoveError, NotFoundError):
             return False
-        self.tell(f"a client: {move.__name__} {name}")
+        self.tell(f"a client: {asked} {name}")
         return True

@@ -6,7 +6,9 @@ import pytest
 from pydantic import ValidationError
 
 from service.queue.worker_memory import PROCESS_BYTES, usual_worker_memory
-from service.settings import Settings
+from service.settings import Settings, variable_of
+
+ROOT = Path(__file__).parents[2]
 
 
 def test_defaults_bind_loopback(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -31,6 +33,14 @@ def test_environment_variables(monkeypatch: pytest.MonkeyPatch) -> None:
     }
     assert settings.store_url == "postgresql+psycopg://db/d3pg"
     assert settings.url == "http://127.0.0.1:8080"
+
+
+def test_every_setting_is_documented() -> None:
+    pages = [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
+    documented = "".join(page.read_text(encoding="utf-8") for page in pages)
+    for name, field in Settings.model_fields.items():
+        assert field.description
+        assert f"`{variable_of(name)}" in documented
 
 
 def test_no_more_workers_are_kept_than_there_may_be() -> None:

@@ -14,7 +14,11 @@ from service.api.problems import ImpossibleMove
 from service.api.routes.context import TheLabel, TheRun, TheStore, TheSweep
 from service.api.schemas.run_answer import RunAnswer
 from service.api.schemas.sweep_answer import SweepAnswer
+from service.model.move import TRANSITIONS, Move
+from service.model.run import Run
+from service.model.sweep import Sweep
 from service.store.refusal import ImpossibleMoveError
+from service.store.store import Store
 
 router = APIRouter()
 sweeps = APIRouter(prefix="/sweeps/{sweep_id}", tags=["sweeps"])
@@ -23,61 +27,40 @@ runs = APIRouter(prefix="/runs/{run_id}", tags=["runs"])
 Moved = TypeVar("Moved")
 
 
-@sweeps.post("/cancel", status_code=HTTPStatus.ACCEPTED)
-def cancel_sweep(sweep: TheSweep, store: TheStore) -> SweepAnswer:
-    """Cancel what has not ended; what was measured stays."""
-    return SweepAnswer.of(_moved(store.cancel_sweep, sweep.id))
+def _move_of_sweep(asked: Move) -> Callable[[Sweep, Store], SweepAnswer]:
+    def move(sweep: TheSweep, store: TheStore) -> SweepAnswer:
+        return SweepAnswer.of(_moved(store.move_sweep, sweep.id, asked))
+
+    return move
 
 
-@sweeps.post("/pause", status_code=HTTPStatus.ACCEPTED)
-def pause_sweep(sweep: TheSweep, store: TheStore) -> SweepAnswer:
-    """Start none of its runs from now on; those that are running go on to their end."""
-    return SweepAnswer.of(_moved(store.pause_sweep, sweep.id))
+def _move_of_run(asked: Move) -> Callable[[Run, str, Store], RunAnswer]:
+    def move(run: TheRun, label: TheLabel, store: TheStore) -> RunAnswer:
+        return RunAnswer.of(_moved(store.move_run, run.id, asked), label)
+
+    return move
 
 
-@sweeps.post("/resume", status_code=HTTPStatus.ACCEPTED)
-def resume_sweep(sweep: TheSweep, store: TheStore) -> SweepAnswer:
-    """Queue its paused runs, those that were paused alone too."""
-    return SweepAnswer.of(_moved(store.resume_sweep, sweep.id))
-
-
-@sweeps.post("/retry", status_code=HTTPStatus.ACCEPTED)
-def retry_sweep(sweep: TheSweep, store: TheStore) -> SweepAnswer:
-    """Queue its failed runs again, and only those; what they measured and their attempts stay."""
-    return SweepAnswer.of(_moved(store.retry_sweep, sweep.id))
-
-
-@runs.post("/cancel", status_code=HTTPStatus.ACCEPTED)
-def cancel_run(run: TheRun, label: TheLabel, store: TheStore) -> RunAnswer:
-    """Cancel a run: at once while it waits, by its worker while it runs."""
-    return RunAnswer.of(_moved(store.cancel_run, run.id), label)
-
-
-@runs.post("/pause", status_code=HTTPStatus.ACCEPTED)
-def pause_run(run: TheRun, label: TheLabel, store: TheStore) -> RunAnswer:
-    """Keep a queued run from being started."""
-    return RunAnswer.of(_moved(store.pause_run, run.id), label)
-
-
-@runs.post("/resume", status_code=HTTPStatus.ACCEPTED)
-def resume_run(run: TheRun, label: TheLabel, store: TheStore) -> RunAnswer:
-    """Queue a paused run."""
-    return RunAnswer.of(_moved(store.resume_run, run.id), label)
-
-
-@runs.post("/retry", status_code=HTTPStatus.ACCEPTED)
-def retry_run(run: TheRun, label: TheLabel, store: TheStore) -> RunAnswer:
-    """Queue a failed run again; what it measured and its attempts stay."""
-    return RunAnswer.of(_moved(store.retry_run, run.id), label)
-
-
-def _moved(move: Callable[[str], Moved], name: str) -> Moved:
+def _moved(move: Callable[[str, Move], Moved], name: str, asked: Move) -> Moved:
     try:
-        return move(name)
+        return move(name, asked)
     except ImpossibleMoveError as refusal:
         text = str(refusal)
         raise ImpossibleMove(f"{text[0].upper()}{text[1:]}.") from refusal
 
 
+for asked, transition in TRANSITIONS.items():
+    sweeps.post(
+        f"/{asked}",
+        name=f"{asked}_sweep",
+        description=transition.of_sweep.description,
+        status_code=HTTPStatus.ACCEPTED,
+    )(_move_of_sweep(asked))
+    runs.post(
+        f"/{asked}",
+        name=f"{asked}_run",
+        description=transition.of_run.description,
+        status_code=HTTPStatus.ACCEPTED,
+    )(_move_of_run(asked))
 for resource in (sweeps, runs):
     router.include_router(resource)

@@ -39,14 +39,17 @@ class Ending:
     log_tail: str = ""
 
 
-def fail(connection: Connection, claim: Claim, error: str, log_tail: str) -> None:
+def fail(connection: Connection, claim: Claim, error: str, log_tail: str = "") -> None:
     """End what is left of the claim as failed: an error in code, which would happen again."""
     [held] = held_runs(connection, [claim])
     end(connection, [failed(row, error, log_tail=log_tail) for row in held.values()])
 
 
 def release(connection: Connection, claim: Claim, reason: str) -> None:
-    """Queue what is left of the claim again, at once: its worker was ended for no fault of it."""
+    """Queue what is left of the claim again, at once: its worker was ended for no fault of it.
+
+    Here and in `lose`: runs whose cancelling was asked for are cancelled instead.
+    """
     [held] = held_runs(connection, [claim])
     _queue_again(connection, [(row, row.losses, 0.0) for row in held.values()], reason, "")
 

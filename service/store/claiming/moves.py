@@ -1,38 +1,52 @@
-"""Moving runs that no worker holds from one status to another, with their events."""
+"""Moving runs from one status to another, with their events."""
 
-from collections.abc import Collection
 from typing import Any
 
 from sqlalchemy import ColumnElement, Connection, select, update
 
+from service.model.move import TRANSITIONS, Move
 from service.model.run import RunStatus
 from service.store.column_types import now
 from service.store.reading import events
 from service.store.reading.runs import run_name
-from service.store.tables import runs, sweeps
-
-WAITING = frozenset({RunStatus.QUEUED, RunStatus.PAUSED})
+from service.store.tables import is_running, runs, sweeps
 
 
 def move(
     connection: Connection,
+    asked: Move,
     condition: ColumnElement[bool],
-    sources: Collection[RunStatus],
-    target: RunStatus,
     reason: str,
+    *,
+    is_paused: bool,
 ) -> None:
-    """Move those runs that meet the condition and stand at one of the sources.
+    """Move those runs that meet the condition, of sweeps that are paused or are not.
 
-    A run that is tried again has lost no worker yet; its attempts stay.
+    A run that is tried again has lost no worker yet; its attempts stay. Cancelling asks the
+    workers of running ones to stop them.
     """
+    if asked == "cancel":
+        connection.execute(
+            update(runs)
+            .where(condition, is_running)
+            .values(is_cancelling=True, reason="cancelling: its worker has been told to stop")
+        )
+    transition = TRANSITIONS[asked]
+    is_held_back = is_paused and transition.target is RunStatus.QUEUED
+    target = RunStatus.PAUSED if is_held_back else transition.target
     values: dict[str, Any] = {"status": target, "reason": reason}
     if target.is_final:
         values["finished_at"] = now()
-    if RunStatus.FAILED in sources:
+    if RunStatus.FAILED in transition.sources:
         values |= {"finished_at": None, "losses": 0, "not_before": 0.0}
+    _update(connection, condition & runs.c.status.in_(transition.sources), values)
+
+
+def _update(connection: Connection, condition: ColumnElement[bool], values: dict[str, Any]) -> None:
+    """Write the new values, with the events."""
     moved = connection.execute(
         update(runs)
-        .where(condition, runs.c.status.in_(sources))
+        .where(condition)
         .values(values)
         .returning(runs.c.sweep_number, runs.c.ordinal, runs.c.attempt, runs.c.timestep)
     ).all()
@@ -45,8 +59,8 @@ def move(
             events.run_changed(
                 row.sweep_number,
                 run_name(names[row.sweep_number], row.ordinal),
-                status=target,
-                reason=reason,
+                status=values["status"],
+                reason=values["reason"],
                 attempt=row.attempt,
                 timestep=row.timestep,
             )

@@ -1,14 +1,12 @@
-"""What users ask of one run: cancel, pause, resume, retry. Asked again, nothing happens.
-
-Each raises NotFoundError, or ImpossibleMoveError where the run stands somewhere else.
-"""
+"""What users ask of one run: cancel, pause, resume, retry. Asked again, nothing happens."""
 
 from typing import Any
 
-from sqlalchemy import Connection, Row, select, update
+from sqlalchemy import Connection, Row, select
 
+from service.model.move import TRANSITIONS, Move
 from service.model.run import Run, RunStatus
-from service.store.claiming.moves import WAITING, move
+from service.store.claiming.moves import move
 from service.store.reading.runs import get, named
 from service.store.refusal import ImpossibleMoveError
 from service.store.tables import runs, sweeps
@@ -21,70 +19,35 @@ _ENDED = {
 }
 
 
-def cancel(connection: Connection, run_id: str) -> Run:
-    """Cancel a run: at once while it waits, by its worker while it runs."""
+def move_run(connection: Connection, run_id: str, asked: Move) -> Run:
+    """Move one run. Raises NotFoundError, or ImpossibleMoveError where it stands somewhere else."""
     run = get(connection, run_id)
-    if run.status is RunStatus.CANCELLED or run.is_cancelling:
-        return run
-    _refuse_ended(run)
-    chosen = runs.c.number == _row(connection, run_id).number
-    if run.status is RunStatus.RUNNING:
-        connection.execute(
-            update(runs)
-            .where(chosen)
-            .values(is_cancelling=True, reason="cancelling: its worker has been told to stop")
-        )
-    else:
-        move(connection, chosen, WAITING, RunStatus.CANCELLED, "cancelled before it started")
-    return get(connection, run_id)
-
-
-def pause(connection: Connection, run_id: str) -> Run:
-    """Keep a queued run from being started."""
-    run = get(connection, run_id)
-    _refuse_ended(run)
-    if run.status is RunStatus.RUNNING:
-        raise ImpossibleMoveError(
-            f"run {run_id} is running: a pause keeps queued runs from starting and stops none"
-        )
-    chosen = runs.c.number == _row(connection, run_id).number
-    move(connection, chosen, {RunStatus.QUEUED}, RunStatus.PAUSED, "paused")
-    return get(connection, run_id)
-
-
-def resume(connection: Connection, run_id: str) -> Run:
-    """Queue a paused run."""
-    run = get(connection, run_id)
-    _refuse_ended(run)
     row = _row(connection, run_id)
-    if run.status is RunStatus.PAUSED and row.paused_at is not None:
-        raise ImpossibleMoveError(f"sweep {run.sweep_id} is paused: resume it, not one of its runs")
+    if (refusal := _refusal(run, row, asked)) is not None:
+        raise ImpossibleMoveError(refusal)
     chosen = runs.c.number == row.number
-    move(connection, chosen, {RunStatus.PAUSED}, RunStatus.QUEUED, "")
+    reason = TRANSITIONS[asked].of_run.reason
+    move(connection, asked, chosen, reason, is_paused=row.paused_at is not None)
     return get(connection, run_id)
 
 
-def retry(connection: Connection, run_id: str) -> Run:
-    """Queue a failed run again; what it measured and its attempts stay."""
-    run = get(connection, run_id)
-    if not run.status.is_final:
-        return run
-    if run.status is not RunStatus.FAILED:
-        raise ImpossibleMoveError(
-            f"run {run_id} has {_ENDED[run.status]}: only failed runs are tried again"
-        )
-    row = _row(connection, run_id)
-    if row.cancelled_at is not None:
-        raise ImpossibleMoveError(f"sweep {run.sweep_id} was cancelled: submit it again")
-    target = RunStatus.QUEUED if row.paused_at is None else RunStatus.PAUSED
-    chosen = runs.c.number == row.number
-    move(connection, chosen, {RunStatus.FAILED}, target, "tried again on request")
-    return get(connection, run_id)
-
-
-def _refuse_ended(run: Run) -> None:
-    if run.status.is_final:
-        raise ImpossibleMoveError(f"run {run.id} has already {_ENDED[run.status]}")
+def _refusal(run: Run, row: Row[Any, Any, Any], asked: Move) -> str | None:
+    """Return why a run cannot be moved; None where it can, or has been."""
+    transition = TRANSITIONS[asked]
+    if run.status.is_final and run.status not in transition.sources | {transition.target}:
+        if asked == "retry":
+            return f"run {run.id} has {_ENDED[run.status]}: only failed runs are tried again"
+        return f"run {run.id} has already {_ENDED[run.status]}"
+    match asked, run.status:
+        case "pause", RunStatus.RUNNING:
+            return (
+                f"run {run.id} is running: a pause keeps queued runs from starting and stops none"
+            )
+        case "resume", RunStatus.PAUSED if row.paused_at is not None:
+            return f"sweep {run.sweep_id} is paused: resume it, not one of its runs"
+        case "retry", RunStatus.FAILED if row.cancelled_at is not None:
+            return f"sweep {run.sweep_id} was cancelled: submit it again"
+    return None
 
 
 def _row(connection: Connection, run_id: str) -> Row[Any, Any, Any]:

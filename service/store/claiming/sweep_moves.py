@@ -1,92 +1,75 @@
-"""What users ask of a sweep: cancel, pause, resume, retry. Asked again, nothing happens.
-
-Each raises NotFoundError, or ImpossibleMoveError where the sweep stands somewhere else.
-"""
+"""What users ask of a sweep: cancel, pause, resume, retry. Asked again, nothing happens."""
 
 from typing import Any
 
 from sqlalchemy import Connection, Row, select, update
 
-from service.model.run import RunStatus
+from service.model.move import TRANSITIONS, Move
 from service.model.sweep import Sweep, SweepStatus
-from service.store.claiming.moves import WAITING, move
+from service.store.claiming.moves import move
 from service.store.column_types import now
 from service.store.reading import events
 from service.store.reading.sweeps import get
 from service.store.refusal import ImpossibleMoveError
-from service.store.tables import is_running, runs, sweeps
+from service.store.tables import runs, sweeps
 
 
-def cancel(connection: Connection, sweep_id: str) -> Sweep:
-    """Cancel every run that has not ended: waiting ones at once, running ones by their workers."""
+def move_sweep(connection: Connection, sweep_id: str, asked: Move) -> Sweep:
+    """Move the runs of a sweep.
+
+    Raises NotFoundError, or ImpossibleMoveError where the sweep stands somewhere else.
+    """
     sweep = get(connection, sweep_id)
-    if sweep.status is SweepStatus.CANCELLED:
+    row = _row(connection, sweep_id)
+    if (refusal := _refusal(sweep, row, asked)) is not None:
+        raise ImpossibleMoveError(refusal)
+    if not _would_change(sweep, row, asked):
         return sweep
-    _refuse_ended(sweep, "none of its runs is left to cancel")
-    row = _row(connection, sweep_id)
-    _note(connection, row, "cancelled", cancelled_at=row.cancelled_at or now(), paused_at=None)
-    of_sweep = runs.c.sweep_number == row.number
-    connection.execute(
-        update(runs)
-        .where(of_sweep, is_running)
-        .values(is_cancelling=True, reason="cancelling: its worker has been told to stop")
-    )
-    move(connection, of_sweep, WAITING, RunStatus.CANCELLED, "its sweep was cancelled")
+    _note(connection, row, asked)
+    is_paused = _row(connection, sweep_id).paused_at is not None
+    reason = TRANSITIONS[asked].of_sweep.reason
+    move(connection, asked, runs.c.sweep_number == row.number, reason, is_paused=is_paused)
     return get(connection, sweep_id)
 
 
-def pause(connection: Connection, sweep_id: str) -> Sweep:
-    """Start none of its runs from now on; those that are running go on to their end."""
-    sweep = get(connection, sweep_id)
-    _refuse_ended(sweep, "none of its runs is left to start")
-    row = _row(connection, sweep_id)
-    if row.paused_at is None:
-        _note(connection, row, "paused", paused_at=now())
-        of_sweep = runs.c.sweep_number == row.number
-        move(connection, of_sweep, {RunStatus.QUEUED}, RunStatus.PAUSED, "its sweep is paused")
-    return get(connection, sweep_id)
+def _refusal(sweep: Sweep, row: Row[Any], asked: Move) -> str | None:
+    """Return why a sweep cannot be moved; None where it can, or has been."""
+    if asked == "cancel" and sweep.status is SweepStatus.CANCELLED:
+        return None
+    if asked == "retry" and row.cancelled_at is not None:
+        return f"sweep {sweep.id} was cancelled: submit it again"
+    if sweep.runs.active or (asked == "retry" and sweep.runs.failed):
+        return None
+    ended = "was cancelled" if sweep.status is SweepStatus.CANCELLED else "has finished"
+    return f"sweep {sweep.id} {ended}: {TRANSITIONS[asked].none_left}"
 
 
-def resume(connection: Connection, sweep_id: str) -> Sweep:
-    """Queue its paused runs, those that were paused alone too."""
-    sweep = get(connection, sweep_id)
-    _refuse_ended(sweep, "none of its runs is left to start")
-    row = _row(connection, sweep_id)
-    if row.paused_at is not None or sweep.runs.paused:
-        _note(connection, row, "resumed", paused_at=None)
-        of_sweep = runs.c.sweep_number == row.number
-        move(connection, of_sweep, {RunStatus.PAUSED}, RunStatus.QUEUED, "")
-    return get(connection, sweep_id)
+def _would_change(sweep: Sweep, row: Row[Any], asked: Move) -> bool:
+    """Whether the move was not made before."""
+    match asked:
+        case "cancel":
+            return sweep.status is not SweepStatus.CANCELLED
+        case "pause":
+            return row.paused_at is None
+        case "resume":
+            return row.paused_at is not None or sweep.runs.paused > 0
+        case "retry":
+            return sweep.runs.failed > 0
 
 
-def retry(connection: Connection, sweep_id: str) -> Sweep:
-    """Queue its failed runs again, and only those; what they measured and their attempts stay."""
-    sweep = get(connection, sweep_id)
-    row = _row(connection, sweep_id)
-    if row.cancelled_at is not None:
-        raise ImpossibleMoveError(f"sweep {sweep_id} was cancelled: submit it again")
-    if sweep.runs.failed:
-        _note(connection, row, "retried")
-        target = RunStatus.QUEUED if row.paused_at is None else RunStatus.PAUSED
-        of_sweep = runs.c.sweep_number == row.number
-        move(connection, of_sweep, {RunStatus.FAILED}, target, "tried again on request")
-    else:
-        _refuse_ended(sweep, "none of its runs has failed")
-    return get(connection, sweep_id)
-
-
-def _refuse_ended(sweep: Sweep, because: str) -> None:
-    if sweep.runs.active == 0:
-        ended = "was cancelled" if sweep.status is SweepStatus.CANCELLED else "has finished"
-        raise ImpossibleMoveError(f"sweep {sweep.id} {ended}: {because}")
+def _note(connection: Connection, row: Row[Any], asked: Move) -> None:
+    """Write what was asked of the sweep, with its event."""
+    values: dict[Move, dict[str, Any]] = {
+        "cancel": {"cancelled_at": row.cancelled_at or now(), "paused_at": None},
+        "pause": {"paused_at": now()},
+        "resume": {"paused_at": None},
+    }
+    if asked in values:
+        of_sweep = sweeps.c.number == row.number
+        connection.execute(update(sweeps).where(of_sweep).values(values[asked]))
+    change = TRANSITIONS[asked].change
+    events.append(connection, [events.sweep_changed(row.number, row.id, change)])
 
 
 def _row(connection: Connection, sweep_id: str) -> Row[Any]:
     return connection.execute(select(sweeps).where(sweeps.c.id == sweep_id)).one()
-
-
-def _note(connection: Connection, row: Row[Any], change: str, **values: Any) -> None:
-    """Write what was asked of the sweep, with its event."""
-    if values:
-        connection.execute(update(sweeps).where(sweeps.c.number == row.number).values(values))
-    events.append(connection, [events.sweep_changed(row.number, row.id, change)])

@@ -67,7 +67,9 @@ def append(connection: Connection, entries: Sequence[Entry]) -> None:
         copy_in(connection, events, [(*row, created_at) for row in rows], COLUMNS)
 
 
-def after(connection: Connection, event_id: int, sweep_id: str | None, limit: int) -> list[Event]:
+def after(
+    connection: Connection, event_id: int, sweep_id: str | None = None, limit: int = 1000
+) -> list[Event]:
     """Return the oldest events after one, of one sweep or of all."""
     query = (
         select(events, sweeps.c.id.label("sweep_id"))

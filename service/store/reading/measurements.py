@@ -133,7 +133,7 @@ def of_run(connection: Connection, run_id: str) -> list[Measurement]:
 
 
 def outlines(connection: Connection, run_ids: Sequence[str], points: int) -> dict[str, list[float]]:
-    """Return return_mean of each run, of every k-th measurement counted from the latest one."""
+    """Return about so many return_mean of each run, evenly spaced and the latest one last."""
     ids = {
         row.number: run_name(row.id, row.ordinal)
         for row in connection.execute(
@@ -173,7 +173,11 @@ def diagnostic_names(connection: Connection, sweep_id: str) -> list[str]:
 
 
 def curves(
-    connection: Connection, sweep_id: str, metric: str, x: str, ordinal: int | None
+    connection: Connection,
+    sweep_id: str,
+    metric: str,
+    x: str = "timesteps",
+    ordinal: int | None = None,
 ) -> list[RunCurve]:
     """Return a metric of every run of the sweep in their order, or of the one of that ordinal.
 

@@ -5,7 +5,7 @@ from typing import Any
 from sqlalchemy import ColumnElement, Connection, Row, Select, false, func, select
 
 from service.model.run import Attempt, Run, RunStatus
-from service.store.reading.run_order import RunOrder
+from service.store.reading.run_order import AS_MADE, RunOrder
 from service.store.refusal import NotFoundError
 from service.store.tables import attempts, is_running, runs, sweeps
 from workers.messages.run_spec import RunSpec
@@ -29,12 +29,12 @@ def page(
     connection: Connection,
     sweep_id: str,
     *,
-    status: RunStatus | None,
-    algorithm: str | None,
-    environment: str | None,
-    order: RunOrder,
-    after: str | None,
-    limit: int,
+    status: RunStatus | None = None,
+    algorithm: str | None = None,
+    environment: str | None = None,
+    order: RunOrder = AS_MADE,
+    after: str | None = None,
+    limit: int = 100,
 ) -> list[Run]:
     """Return runs of a sweep in an order, from the one that follows the run named `after`."""
     query = _select().where(sweeps.c.id == sweep_id).order_by(*order.keys()).limit(limit)

@@ -19,7 +19,7 @@ from sqlalchemy import (
 from service.model.run import ACTIVE, RunStatus
 from service.model.sweep import RunCounts, Sweep, SweepStatus
 from service.store.column_types import now
-from service.store.reading import events
+from service.store.reading import events, random_returns
 from service.store.refusal import NotFoundError, SubmissionKeyReusedError
 from service.store.tables import runs, sweeps
 from workers.messages.run_spec import RunSpec
@@ -27,19 +27,21 @@ from workers.messages.run_spec import RunSpec
 
 def create(
     connection: Connection,
-    *,
     name: str,
     priority: int,
     request: Mapping[str, Any],
     specs: Sequence[RunSpec],
+    *,
     environment_versions: Mapping[str, int],
-    submission_key: str | None,
+    submission_key: str | None = None,
 ) -> Sweep:
     """Write a sweep and its runs, which are numbered in the order of the specs.
 
-    Under a key that a sweep was submitted with already, return that one. Raises
-    SubmissionKeyReusedError where that one's request was another.
+    The versions are those of the specs' environments. Under a key that a sweep was submitted with
+    already, return that one. Raises SubmissionKeyReusedError where that one's request was another.
     """
+    if not specs:
+        raise ValueError("a sweep has at least one run, got none")
     if submission_key is not None:
         earlier = _submitted(connection, submission_key, request)
         if earlier is not None:
@@ -72,8 +74,7 @@ def create(
         }
         for ordinal, spec in enumerate(specs)
     ]
-    if rows:
-        connection.execute(insert(runs), rows)
+    connection.execute(insert(runs), rows)
     events.append(connection, [events.sweep_changed(number, sweep_id, "created")])
     return get(connection, sweep_id)
 
@@ -115,7 +116,14 @@ def request(connection: Connection, sweep_id: str) -> Mapping[str, Any]:
     return found
 
 
-def page(connection: Connection, after: str | None, limit: int) -> list[Sweep]:
+def version(connection: Connection, sweep_id: str) -> str | None:
+    """Return a text that changes with whatever is shown of a sweep; None: no such sweep."""
+    last = events.last_id_of(connection, sweep_id)
+    zeros = random_returns.last_measured_at(connection)
+    return None if last is None else f"{last}-{zeros!r}"
+
+
+def page(connection: Connection, after: str | None = None, limit: int = 50) -> list[Sweep]:
     """Return sweeps, newest first, from the one that follows the sweep named `after`."""
     numbers = select(sweeps.c.number).order_by(sweeps.c.number.desc()).limit(limit)
     if after is not None:

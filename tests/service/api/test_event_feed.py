@@ -79,8 +79,8 @@ def test_one_sweeps_stream_has_its_own_changes_alone(store: Store) -> None:
     async def test() -> None:
         stream = EventFeed(store).follow(0, second)
         assert (await take(stream, 1))[0].payload["sweep_id"] == second
-        store.cancel_sweep(first)
-        store.cancel_sweep(second)
+        store.move_sweep(first, "cancel")
+        store.move_sweep(second, "cancel")
         messages = await take(stream, 3)
         assert [each.kind for each in messages] == ["sweep", "run", "run"]
         assert {each.payload["sweep_id"] for each in messages} == {second}
@@ -112,7 +112,7 @@ def test_a_slow_reader_reads_on_from_the_store(
         feed = EventFeed(store)
         slow, quick = feed.follow(0, None), feed.follow(0, None)
         sweep_id = make_sweep(store, seeds=40)
-        await asyncio.to_thread(store.cancel_sweep, sweep_id)
+        await asyncio.to_thread(store.move_sweep, sweep_id, "cancel")
         logged = [each.id for each in store.events_after(0)]
         assert len(logged) == 42
         assert [each.id for each in await take(quick, 42)] == logged

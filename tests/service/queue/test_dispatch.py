@@ -230,7 +230,7 @@ def test_an_error_in_code_is_not_tried_again(
 def test_a_cancelled_run_leaves_its_cohort(dispatcher: Dispatcher, store: Store) -> None:
     sweep = submit(store, 4)
     work(dispatcher, 3)
-    store.cancel_run(f"{sweep.id}-2")
+    store.move_run(f"{sweep.id}-2", "cancel")
     work_until(dispatcher, lambda: counts(store, sweep).active == 0)
     assert counts(store, sweep) == RunCounts(succeeded=3, cancelled=1)
     assert all(run.attempt == 1 for run in store.list_runs(sweep.id))
@@ -243,7 +243,7 @@ def test_a_worker_that_does_not_drop_is_ended(
     work(dispatcher, 3)
     for worker in pool.workers.values():
         worker.is_deaf = True
-    store.cancel_run(f"{sweep.id}-0")
+    store.move_run(f"{sweep.id}-0", "cancel")
     work(dispatcher, 1)
     assert run_of(store, sweep, 0).is_cancelling
     clock.now += 6.0
@@ -262,7 +262,7 @@ def test_none_starts_after_its_sweep_was_cancelled(
     sweep = submit(store, 40)
     work(dispatcher, 2)
     running = counts(store, sweep).running
-    store.cancel_sweep(sweep.id)
+    store.move_sweep(sweep.id, "cancel")
     work(dispatcher, 5)
     assert counts(store, sweep) == RunCounts(cancelled=40)
     assert sum(run.attempt for run in store.list_runs(sweep.id)) == running

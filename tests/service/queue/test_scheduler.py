@@ -5,13 +5,15 @@
 """
 
 import os
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import pytest
-from sqlalchemy import ColumnElement, Connection, Row
+from sqlalchemy import Connection, Row
 
 from service.model.claim import Claim, ClaimedRun
+from service.model.move import TRANSITIONS, Move
 from service.model.run import FINAL, RunStatus
 from service.queue.messages import (
     ClaimCohort,
@@ -25,8 +27,7 @@ from service.queue.messages import (
 )
 from service.queue.scheduler import NO_ROOM, WORKERS_STARTING, DispatchTimes, State, step
 from service.store import records
-from service.store.claiming import claims, endings, sweep_moves
-from service.store.claiming.moves import move
+from service.store.claiming import claims, endings, moves
 from service.store.reading.runs import run_name
 from service.store.tables import is_running
 from tests.service.simulation import Simulation
@@ -180,23 +181,19 @@ def test_ends_of_leases_that_have_not_ended_are_noticed(monkeypatch: pytest.Monk
 
 
 def test_cancelling_what_has_ended_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sweep_moves, "WAITING", set(RunStatus) - {RunStatus.RUNNING})
+    extend(monkeypatch, "cancel", frozenset(RunStatus) - {RunStatus.RUNNING})
     assert_noticed("and became cancelled")
 
 
 def test_trying_again_what_did_not_fail_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    def move_ended(
-        connection: Connection,
-        condition: ColumnElement[bool],
-        sources: Collection[RunStatus],
-        target: RunStatus,
-        reason: str,
-    ) -> None:
-        taken = FINAL if RunStatus.FAILED in sources else sources
-        move(connection, condition, taken, target, reason)
-
-    monkeypatch.setattr(sweep_moves, "move", move_ended)
+    extend(monkeypatch, "retry", FINAL)
     assert_noticed("and became queued")
+
+
+def extend(monkeypatch: pytest.MonkeyPatch, asked: Move, sources: frozenset[RunStatus]) -> None:
+    """Let a move start where it may not, once it is not refused."""
+    transitions = {**TRANSITIONS, asked: replace(TRANSITIONS[asked], sources=sources)}
+    monkeypatch.setattr(moves, "TRANSITIONS", transitions)
 
 
 def rows_of(connection: Connection, claim: Claim) -> dict[str, Row[Any]]:

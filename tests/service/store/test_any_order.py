@@ -6,6 +6,7 @@ were given up, and their writers go on writing.
 """
 
 from dataclasses import dataclass, field
+from functools import partial
 
 import pytest
 from hypothesis import settings
@@ -24,6 +25,7 @@ from hypothesis.stateful import (
 
 from algorithms.early_end import Divergence
 from service.model.claim import Claim
+from service.model.move import Move
 from service.model.run import ACTIVE, RunStatus
 from service.store.refusal import ImpossibleMoveError
 from service.store.store import Store
@@ -189,7 +191,7 @@ class StoreMachine(RuleBasedStateMachine):
         name = data.draw(st.sampled_from(list(self.runs)))
         run = self.runs[name]
         try:
-            self.store.cancel_run(name)
+            self.store.move_run(name, "cancel")
         except ImpossibleMoveError:
             assert run.status.is_final
             assert run.status is not RunStatus.CANCELLED
@@ -200,7 +202,7 @@ class StoreMachine(RuleBasedStateMachine):
             run.is_cancelling = True
 
     @rule(data=st.data(), how=st.sampled_from(["pause", "resume", "retry"]))
-    def move(self, data: st.DataObject, how: str) -> None:
+    def move(self, data: st.DataObject, how: Move) -> None:
         if not self.runs:
             return
         name = data.draw(st.sampled_from(list(self.runs)))
@@ -210,16 +212,16 @@ class StoreMachine(RuleBasedStateMachine):
             "resume": (RunStatus.PAUSED, RunStatus.QUEUED, {RunStatus.QUEUED, RunStatus.RUNNING}),
             "retry": (RunStatus.FAILED, RunStatus.QUEUED, ACTIVE),
         }[how]
-        asked = getattr(self.store, f"{how}_run")
+        asked = partial(self.store.move_run, name, how)
         if run.status is source:
-            assert asked(name).status is target
+            assert asked().status is target
             run.status = target
             run.losses = 0 if how == "retry" else run.losses
         elif run.status in idle:
-            assert asked(name).status is run.status
+            assert asked().status is run.status
         else:
             with pytest.raises(ImpossibleMoveError):
-                asked(name)
+                asked()
 
     @rule()
     def restart(self) -> None:

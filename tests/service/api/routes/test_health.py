@@ -44,7 +44,7 @@ def test_a_database_that_fails_is_said_to(
 ) -> None:
     del app
     for table in ("measurements", "attempts", "runs"):
-        store._writer.write(drop(table))
+        store.write(drop(table))
     response = client.get("/readyz")
     assert response.status_code == 503
     assert "no such table" in (checks(response.json())["database"] or "")

@@ -129,7 +129,7 @@ def test_those_that_wait_for_their_group_have_come_no_further(store: Store, subm
     sweep = submit(seeds=2)
     claim = claim_of(store)
     begin(store, claim, Resumption(0, 800), Resumption(1, 0))
-    store.cancel_run(f"{sweep.id}-1")
+    store.move_run(f"{sweep.id}-1", "cancel")
     store.record(claim, Progress(1600, training=(0,), dropped=(1,)))
     front, waiting = store.list_runs(sweep.id)
     assert (front.timestep, waiting.timestep) == (1600, 0)
@@ -184,11 +184,11 @@ def test_what_is_said_of_where_a_run_was_taken_up_stays_until_it_ends(
 def test_files_that_nobody_told_of_are_to_be_removed_too(store: Store, submit: Submit) -> None:
     """Its worker is lost between writing a checkpoint and telling of it."""
     run_id = f"{submit(seeds=1).id}-0"
-    store.cancel_run(f"{submit(seeds=1).id}-0")  # no worker had it: it has no files
+    store.move_run(f"{submit(seeds=1).id}-0", "cancel")  # no worker had it: it has no files
     claim = claim_of(store)
     store.lose(claim, "its worker was lost")
     assert store.ended_with_checkpoints(10) == []
-    store.cancel_run(run_id)
+    store.move_run(run_id, "cancel")
     assert store.ended_with_checkpoints(10) == [run_id]
     store.forget_checkpoints([run_id])
     assert store.ended_with_checkpoints(10) == []
@@ -213,7 +213,7 @@ def test_a_run_that_is_tried_again_meanwhile_keeps_what_it_has(
     run_id = f"{submit(seeds=1).id}-0"
     store.fail(claim_of(store), "ValueError: x")
     assert store.ended_with_checkpoints(10) == [run_id]
-    store.retry_run(run_id)
+    store.move_run(run_id, "retry")
     again = claim_of(store)
     store.forget_checkpoints([run_id])
     store.fail(again, "ValueError: x")

@@ -229,7 +229,7 @@ def test_a_loss_is_waited_for(url: str) -> None:
 def test_lost_runs_that_were_to_be_cancelled_are_cancelled(store: Store, submit: Submit) -> None:
     sweep = submit(seeds=3)
     claim = claim_of(store)
-    store.cancel_run(f"{sweep.id}-0")
+    store.move_run(f"{sweep.id}-0", "cancel")
     store.lose(claim, "its worker was lost")
     found = store.find_sweep(sweep.id)
     assert found is not None

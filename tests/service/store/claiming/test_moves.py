@@ -5,6 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
+from service.model.move import Move
 from service.model.run import RunStatus
 from service.model.sweep import RunCounts, SweepStatus
 from service.store.refusal import ImpossibleMoveError, SubmissionKeyReusedError
@@ -33,7 +34,7 @@ def test_a_paused_sweep_starts_nothing_and_what_runs_goes_on(store: Store, submi
     claim = store.claim_cohort("w", LEASE, 2)
     assert claim is not None
     for _ in range(2):  # again: no error, no change
-        paused = store.pause_sweep(sweep.id)
+        paused = store.move_sweep(sweep.id, "pause")
         assert (paused.status, paused.runs) == (SweepStatus.PAUSED, RunCounts(paused=2, running=2))
         assert paused.eta_seconds is None
     assert store.claim_cohort("w", LEASE) is None
@@ -42,7 +43,7 @@ def test_a_paused_sweep_starts_nothing_and_what_runs_goes_on(store: Store, submi
     store.lose(claim, "its worker was lost")
     assert counts(store, sweep.id) == RunCounts(paused=3, succeeded=1)  # lost runs wait as well
     for _ in range(2):
-        resumed = store.resume_sweep(sweep.id)
+        resumed = store.move_sweep(sweep.id, "resume")
         assert resumed.runs == RunCounts(queued=3, succeeded=1)
     assert store.claim_cohort("w", LEASE) is not None
 
@@ -51,30 +52,31 @@ def test_one_run_is_paused_alone(store: Store, submit: Submit) -> None:
     sweep = submit(seeds=2)
     paused = f"{sweep.id}-0"
     for _ in range(2):
-        assert store.pause_run(paused).status is RunStatus.PAUSED
+        assert store.move_run(paused, "pause").status is RunStatus.PAUSED
     claim = store.claim_cohort("w", LEASE)
     assert claim is not None
     assert [run.run_id for run in claim.runs] == [f"{sweep.id}-1"]
     with pytest.raises(ImpossibleMoveError, match="is running: a pause keeps queued runs"):
-        store.pause_run(f"{sweep.id}-1")
+        store.move_run(f"{sweep.id}-1", "pause")
     for _ in range(2):
-        assert store.resume_run(paused).status is RunStatus.QUEUED
-    store.pause_sweep(sweep.id)
+        assert store.move_run(paused, "resume").status is RunStatus.QUEUED
+    store.move_sweep(sweep.id, "pause")
     with pytest.raises(ImpossibleMoveError, match="resume it, not one of its runs"):
-        store.resume_run(paused)
-    store.cancel_run(paused)
+        store.move_run(paused, "resume")
+    store.move_run(paused, "cancel")
     with pytest.raises(ImpossibleMoveError, match="already been cancelled"):
-        store.resume_run(paused)
+        store.move_run(paused, "resume")
 
 
 def test_a_paused_sweep_is_cancelled_whole(store: Store, submit: Submit) -> None:
     sweep = submit(seeds=3)
-    store.pause_sweep(sweep.id)
-    ended = store.cancel_sweep(sweep.id)
+    store.move_sweep(sweep.id, "pause")
+    ended = store.move_sweep(sweep.id, "cancel")
     assert (ended.status, ended.runs) == (SweepStatus.CANCELLED, RunCounts(cancelled=3))
-    for move in (store.pause_sweep, store.resume_sweep, store.retry_sweep):
+    moves: tuple[Move, ...] = ("pause", "resume", "retry")
+    for asked in moves:
         with pytest.raises(ImpossibleMoveError, match="cancelled"):
-            move(sweep.id)
+            store.move_sweep(sweep.id, asked)
 
 
 def test_only_what_failed_is_tried_again(store: Store, submit: Submit) -> None:
@@ -84,12 +86,12 @@ def test_only_what_failed_is_tried_again(store: Store, submit: Submit) -> None:
     store.record(claim, Progress(1600, measurements=(measured(2, 800),), finished=(0,)))
     store.fail(claim, "ValueError: no", "the log's end")
     with pytest.raises(ImpossibleMoveError, match="has succeeded: only failed runs"):
-        store.retry_run(f"{sweep.id}-0")
+        store.move_run(f"{sweep.id}-0", "retry")
     assert counts(store, sweep.id) == RunCounts(succeeded=1, failed=2)
 
-    assert store.retry_run(f"{sweep.id}-1").status is RunStatus.QUEUED
-    assert store.retry_run(f"{sweep.id}-1").status is RunStatus.QUEUED  # again: no error
-    assert store.retry_sweep(sweep.id).runs == RunCounts(queued=2, succeeded=1)
+    assert store.move_run(f"{sweep.id}-1", "retry").status is RunStatus.QUEUED
+    assert store.move_run(f"{sweep.id}-1", "retry").status is RunStatus.QUEUED  # again: no error
+    assert store.move_sweep(sweep.id, "retry").runs == RunCounts(queued=2, succeeded=1)
     kept = store.attempts(f"{sweep.id}-2")
     assert [attempt.log_tail for attempt in kept] == ["the log's end"]
     assert [m.timestep for m in store.measurements(f"{sweep.id}-2")] == [800]
@@ -100,7 +102,7 @@ def test_only_what_failed_is_tried_again(store: Store, submit: Submit) -> None:
     store.record(again, Progress(1600, finished=(1, 2)))
     assert counts(store, sweep.id) == RunCounts(succeeded=3)
     with pytest.raises(ImpossibleMoveError, match="none of its runs has failed"):
-        store.retry_sweep(sweep.id)
+        store.move_sweep(sweep.id, "retry")
 
 
 def test_a_retried_run_of_a_paused_sweep_waits_with_it(store: Store, submit: Submit) -> None:
@@ -108,8 +110,8 @@ def test_a_retried_run_of_a_paused_sweep_waits_with_it(store: Store, submit: Sub
     claim = store.claim_cohort("w", LEASE, 1)
     assert claim is not None
     store.fail(claim, "ValueError: no")
-    store.pause_sweep(sweep.id)
-    store.retry_sweep(sweep.id)
+    store.move_sweep(sweep.id, "pause")
+    store.move_sweep(sweep.id, "retry")
     assert counts(store, sweep.id) == RunCounts(paused=2)
     assert status(store, f"{sweep.id}-0") is RunStatus.PAUSED
 
@@ -117,8 +119,8 @@ def test_a_retried_run_of_a_paused_sweep_waits_with_it(store: Store, submit: Sub
 def test_each_move_is_told(store: Store, submit: Submit) -> None:
     sweep = submit(seeds=1)
     start = store.last_event_id()
-    store.pause_sweep(sweep.id)
-    store.resume_sweep(sweep.id)
+    store.move_sweep(sweep.id, "pause")
+    store.move_sweep(sweep.id, "resume")
     told = [(e.kind, e.payload.get("change", e.payload.get("status"))) for e in
             store.events_after(start)]  # fmt: skip
     assert told == [("sweep", "paused"), ("run", "paused"), ("sweep", "resumed"), ("run", "queued")]
@@ -162,7 +164,7 @@ def test_nothing_starts_once_a_sweep_that_is_being_claimed_was_cancelled(
     with ThreadPoolExecutor(8) as pool:
         claimers = [pool.submit(claim_all) for _ in range(8)]
         begun.wait(10)
-        left = store.cancel_sweep(sweep.id).runs
+        left = store.move_sweep(sweep.id, "cancel").runs
         cancelled.set()
         assert sum(claimer.result() for claimer in claimers) == 0
     assert left.queued == 0
@@ -173,11 +175,11 @@ def test_nothing_starts_once_a_sweep_that_is_being_claimed_was_cancelled(
 def test_a_sweep_whose_runs_are_all_paused_is_paused(store: Store, submit: Submit) -> None:
     sweep = submit(seeds=2)
     for ordinal in range(2):
-        store.pause_run(f"{sweep.id}-{ordinal}")
+        store.move_run(f"{sweep.id}-{ordinal}", "pause")
     found = store.find_sweep(sweep.id)
     assert found is not None
     assert found.status is SweepStatus.PAUSED
-    assert store.resume_sweep(sweep.id).runs == RunCounts(queued=2)
+    assert store.move_sweep(sweep.id, "resume").runs == RunCounts(queued=2)
 
 
 def test_a_failed_run_is_tried_again_with_a_clean_slate(store: Store, submit: Submit) -> None:
@@ -188,7 +190,7 @@ def test_a_failed_run_is_tried_again_with_a_clean_slate(store: Store, submit: Su
         assert claim is not None
         store.lose(claim, "its worker was lost")
     for _ in range(2):
-        run = store.retry_run(run_id)
+        run = store.move_run(run_id, "retry")
         assert (run.status, run.attempt) == (RunStatus.QUEUED, AT_ONCE.losses + 1)
     claim = store.claim_cohort("w", LEASE)
     assert claim is not None

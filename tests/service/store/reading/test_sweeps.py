@@ -74,7 +74,7 @@ def test_what_is_no_run_is_not_found(store: Store, submit: Submit, name: str) ->
     assert store.find_run(run_id) is None
     assert store.measurements(run_id) == []
     with pytest.raises(NotFoundError):
-        store.cancel_run(run_id)
+        store.move_run(run_id, "cancel")
 
 
 def test_sweeps_are_paged_newest_first(store: Store, submit: Submit) -> None:
@@ -120,7 +120,7 @@ def test_counts_progress_and_pace(store: Store, submit: Submit) -> None:
 def test_progress_is_of_what_was_trained(store: Store, submit: Submit) -> None:
     """A run that was cancelled or failed has done what it did, and has nothing left to do."""
     sweep = submit(seeds=4, timesteps=1600)
-    store.cancel_run(f"{sweep.id}-3")
+    store.move_run(f"{sweep.id}-3", "cancel")
     cancelled = store.find_sweep(sweep.id)
     assert cancelled is not None
     assert cancelled.progress == 0.0
@@ -138,7 +138,10 @@ def test_progress_is_of_what_was_trained(store: Store, submit: Submit) -> None:
 
 
 def test_a_sweep_without_a_finished_run_is_not_done(store: Store, submit: Submit) -> None:
-    for end in (store.cancel_sweep, lambda _: store.fail(claimed(store), "ValueError: no")):
+    def cancel(sweep_id: str) -> None:
+        store.move_sweep(sweep_id, "cancel")
+
+    for end in (cancel, lambda _: store.fail(claimed(store), "ValueError: no")):
         sweep = submit()
         end(sweep.id)
         ended = store.find_sweep(sweep.id)
@@ -167,16 +170,16 @@ def test_cancelling_a_sweep_ends_what_waits_and_tells_what_runs(
     sweep = submit(seeds=4)
     claim = store.claim_cohort("w", LEASE, 2)
     assert claim is not None
-    cancelled = store.cancel_sweep(sweep.id)
+    cancelled = store.move_sweep(sweep.id, "cancel")
     assert cancelled.runs == RunCounts(running=2, cancelled=2)
     assert store.cancelling_runs() == {run.run_id for run in claim.runs}
-    assert store.cancel_sweep(sweep.id).runs == cancelled.runs  # again: no error, no change
+    assert store.move_sweep(sweep.id, "cancel").runs == cancelled.runs  # again: no error, no change
     assert store.claim_cohort("w", LEASE) is None
     store.record(claim, Progress(800, dropped=(0, 1)))
     ended = store.find_sweep(sweep.id)
     assert ended is not None
     assert (ended.status, ended.runs) == (SweepStatus.CANCELLED, RunCounts(cancelled=4))
-    assert store.cancel_sweep(sweep.id) == ended
+    assert store.move_sweep(sweep.id, "cancel") == ended
     assert store.cancelling_runs() == set()
 
 
@@ -186,22 +189,22 @@ def test_a_finished_sweep_cannot_be_cancelled(store: Store, submit: Submit) -> N
     assert claim is not None
     store.record(claim, Progress(1600, finished=(0,)))
     with pytest.raises(ImpossibleMoveError, match="has finished"):
-        store.cancel_sweep(sweep.id)
+        store.move_sweep(sweep.id, "cancel")
     with pytest.raises(ImpossibleMoveError, match="already succeeded"):
-        store.cancel_run(f"{sweep.id}-0")
+        store.move_run(f"{sweep.id}-0", "cancel")
     with pytest.raises(NotFoundError, match="no sweep 'x'"):
-        store.cancel_sweep("x")
+        store.move_sweep("x", "cancel")
 
 
 def test_cancelling_one_run_leaves_its_neighbours(store: Store, submit: Submit) -> None:
     sweep = submit(seeds=3)
-    assert store.cancel_run(f"{sweep.id}-2").status is RunStatus.CANCELLED
+    assert store.move_run(f"{sweep.id}-2", "cancel").status is RunStatus.CANCELLED
     claim = store.claim_cohort("w", LEASE)
     assert claim is not None
     assert [run.spec.seed for run in claim.runs] == [0, 1]
-    run = store.cancel_run(f"{sweep.id}-0")
+    run = store.move_run(f"{sweep.id}-0", "cancel")
     assert (run.status, run.is_cancelling) == (RunStatus.RUNNING, True)
-    assert store.cancel_run(f"{sweep.id}-0") == run
+    assert store.move_run(f"{sweep.id}-0", "cancel") == run
     store.record(claim, Progress(1600, dropped=(0,), finished=(1,)))
     ended = store.find_sweep(sweep.id)
     assert ended is not None
@@ -213,7 +216,7 @@ def test_a_run_that_finishes_before_it_is_told_has_succeeded(store: Store, submi
     sweep = submit(seeds=1)
     claim = store.claim_cohort("w", LEASE)
     assert claim is not None
-    store.cancel_sweep(sweep.id)
+    store.move_sweep(sweep.id, "cancel")
     store.record(claim, Progress(1600, measurements=(measured(0, 1600),), finished=(0,)))
     run = store.find_run(f"{sweep.id}-0")
     assert run is not None
@@ -226,7 +229,7 @@ def test_every_change_has_its_event(store: Store, submit: Submit) -> None:
     assert claim is not None
     store.record(claim, Progress(800, measurements=(measured(0, 400), measured(0, 800))))
     store.record(claim, Progress(1600, finished=(0,)))
-    store.cancel_run(f"{sweep.id}-1")
+    store.move_run(f"{sweep.id}-1", "cancel")
     store.record(claim, Progress(1600, dropped=(1,)))
     events = store.events_after(0, sweep.id)
     said = [

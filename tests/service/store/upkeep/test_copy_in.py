@@ -38,19 +38,19 @@ def row(timestep: int) -> tuple[Any, ...]:
 
 def stored(store: Store) -> Rows:
     query = "SELECT * FROM measurements ORDER BY timestep"
-    return store._reader.read(lambda c: [tuple(r) for r in c.exec_driver_sql(query)])
+    return store.read(lambda c: [tuple(r) for r in c.exec_driver_sql(query)])
 
 
 def test_rows_are_kept_as_they_are(store: Store) -> None:
     rows = [row(800), row(1600)]
-    store._writer.write(lambda c: copy_in(c, measurements, rows))
+    store.write(copy_in, measurements, rows)
     assert stored(store) == rows
 
 
 def test_a_row_that_is_there_undoes_the_whole_unit(store: Store) -> None:
-    store._writer.write(lambda c: copy_in(c, measurements, [row(800)]))
+    store.write(copy_in, measurements, [row(800)])
     with pytest.raises(IntegrityError):
-        store._writer.write(lambda c: copy_in(c, measurements, [row(1600), row(800)]))
+        store.write(copy_in, measurements, [row(1600), row(800)])
     assert stored(store) == [row(800)]
 
 
@@ -63,6 +63,6 @@ def test_a_connection_that_is_cut_is_made_anew(store: Store, postgresql: Postgre
             postgresql.execute(f"SELECT pg_terminate_backend({tries[0]}, 10000)")
         copy_in(connection, measurements, [row(800)])
 
-    store._writer.write(cut_at_first)
+    store.write(cut_at_first)
     assert len(set(tries)) == 2
     assert stored(store) == [row(800)]

@@ -36,8 +36,8 @@ def used(store: Store, submit: Submit, url: str) -> str:
     store.record(claim, Progress(800, measurements=(measured(0, 800),), finished=(0,)))
     store.fail(claim.only({f"{sweep.id}-1"}), "ValueError: no")
     store.lose(claim.only({f"{sweep.id}-2"}), "its worker was lost")
-    store.cancel_run(f"{sweep.id}-3")
-    store.pause_run(f"{sweep.id}-6")
+    store.move_run(f"{sweep.id}-3", "cancel")
+    store.move_run(f"{sweep.id}-6", "pause")
     store.close()
     return url
 

@@ -56,7 +56,7 @@ def test_everything_arrives_and_goes_on(
     store.record(claim, Progress(800, measurements=odd, finished=(1,)))
     store.record_random_return(RandomReturn("Pendulum", 1, -1232.6, -1250.3, -1214.9, 1000))
     store.fail(claim.only({f"{sweep.id}-2"}), "ValueError: \U0001f600")
-    store.pause_sweep(sweep.id)
+    store.move_sweep(sweep.id, "pause")
     before = (
         store.find_sweep(sweep.id),
         store.list_runs(sweep.id),

@@ -1,0 +1,64 @@
+"""`d3pg serve`: each setting is a flag, and what is given becomes the service's environment."""
+
+import os
+from collections.abc import Mapping, Sequence
+
+import pytest
+from typer.testing import CliRunner
+
+from service.cli.app import app
+from service.settings import Settings, variable_of
+
+runner = CliRunner()
+
+
+class Started(Exception):  # noqa: N818
+    """In place of the service."""
+
+
+@pytest.fixture
+def environment(monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
+    """The variables that the service is started with."""
+    given: dict[str, str] = {}
+
+    def start(program: str, arguments: Sequence[str], variables: Mapping[str, str]) -> None:
+        assert list(arguments) == [program, "-m", "service"]
+        given.update(variables)
+        raise Started
+
+    monkeypatch.setattr(os, "execve", start)
+    for name in Settings.model_fields:
+        monkeypatch.delenv(variable_of(name), raising=False)
+    return given
+
+
+def test_each_setting_is_a_flag(environment: dict[str, str]) -> None:
+    values = dict.fromkeys(Settings.model_fields, "5")
+    flags = [f"--{name.replace('_', '-')}={value}" for name, value in values.items()]
+    assert isinstance(runner.invoke(app, ["serve", *flags]).exception, Started)
+    for name, value in values.items():
+        assert environment[variable_of(name)] == value
+
+
+def test_what_is_not_given_is_not_set(environment: dict[str, str]) -> None:
+    assert isinstance(runner.invoke(app, ["serve", "--port", "8001"]).exception, Started)
+    assert {name for name in environment if name.startswith("D3PG_")} >= {"D3PG_PORT"}
+    others = {variable_of(name) for name in Settings.model_fields} - {"D3PG_PORT"}
+    assert not others & environment.keys()
+
+
+@pytest.mark.parametrize("width", ["60", "100"])
+def test_help_describes_every_flag(width: str) -> None:
+    shown = runner.invoke(app, ["serve", "--help"], env={"COLUMNS": width}).output
+    words = " ".join(shown.replace("│", " ").split())
+    for name, field in Settings.model_fields.items():
+        assert f"--{name.replace('_', '-')} " in words
+        assert " ".join(str(field.description).split()[:3]) in words
+    assert "8000 if unset." in words
+    assert "Undefined" not in words
+
+
+def test_a_port_is_a_number() -> None:
+    result = runner.invoke(app, ["serve", "--port", "http"])
+    assert result.exit_code == 2
+    assert "--port" in result.output
