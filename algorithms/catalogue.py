@@ -6,7 +6,7 @@ one is asked for.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from importlib.metadata import entry_points
 from pkgutil import resolve_name
@@ -28,15 +28,17 @@ class Algorithm:
         needs_reward_gradient: whether it refuses tasks whose reward is not differentiable.
         memory: "module:function" of `(environment, weights, timesteps, config) -> bytes` that a run
             comes to fill; empty where that is next to nothing.
+        extends: name of the algorithm that it is, bit for bit, with weights (0, 0); empty for none.
     """
 
     name: str
     summary: str
     builder: str
     config: str
-    uses_weights: bool
-    needs_reward_gradient: bool
+    uses_weights: bool = False
+    needs_reward_gradient: bool = False
     memory: str = ""
+    extends: str = ""
 
     def config_class(self) -> type[Any]:
         """The class of its settings."""
@@ -54,71 +56,64 @@ class Algorithm:
         return loaded
 
 
-OWN = {
-    "ddpg": Algorithm(
-        name="ddpg",
-        summary="Deep deterministic policy gradients with parameter noise",
-        builder="algorithms.actor_critic.ddpg:build",
-        config="algorithms.settings:DDPGConfig",
-        uses_weights=False,
-        needs_reward_gradient=False,
-        memory="algorithms.memory:of_replay",
-    ),
-    "hybrid-ddpg": Algorithm(
-        name="hybrid-ddpg",
-        summary="DDPG whose critic also fits the simulator's gradients (L2)",
-        builder="algorithms.actor_critic.ddpg:build",
-        config="algorithms.settings:DDPGConfig",
+def hybrid(baseline: Algorithm, name: str, summary: str, builder: str = "") -> Algorithm:
+    """A baseline that also matches gradients; `builder` where it is not the baseline's."""
+    return replace(
+        baseline,
+        name=name,
+        summary=summary,
+        builder=builder or baseline.builder,
         uses_weights=True,
-        needs_reward_gradient=False,
-        memory="algorithms.memory:of_replay",
-    ),
-    "hybrid-ddpg-cosine": Algorithm(
-        name="hybrid-ddpg-cosine",
-        summary="DDPG whose critic also fits the direction of the simulator's gradients",
+        extends=baseline.name,
+    )
+
+
+DDPG = Algorithm(
+    "ddpg",
+    "Deep deterministic policy gradients with parameter noise",
+    builder="algorithms.actor_critic.ddpg:build",
+    config="algorithms.settings:DDPGConfig",
+    memory="algorithms.memory:of_replay",
+)
+SAC = Algorithm(
+    "sac",
+    "Soft actor-critic with a fixed temperature",
+    builder="algorithms.actor_critic.sac:build",
+    config="algorithms.settings:SACConfig",
+    memory="algorithms.memory:of_replay",
+)
+
+_ALL = (
+    DDPG,
+    hybrid(DDPG, "hybrid-ddpg", "DDPG whose critic also fits the simulator's gradients (L2)"),
+    hybrid(
+        DDPG,
+        "hybrid-ddpg-cosine",
+        "DDPG whose critic also fits the direction of the simulator's gradients",
         builder="algorithms.actor_critic.ddpg:build_cosine",
-        config="algorithms.settings:DDPGConfig",
-        uses_weights=True,
-        needs_reward_gradient=False,
-        memory="algorithms.memory:of_replay",
     ),
-    "sac": Algorithm(
-        name="sac",
-        summary="Soft actor-critic with a fixed temperature",
-        builder="algorithms.actor_critic.sac:build",
-        config="algorithms.settings:SACConfig",
-        uses_weights=False,
-        needs_reward_gradient=False,
-        memory="algorithms.memory:of_replay",
+    SAC,
+    hybrid(
+        SAC, "hybrid-sac", "Soft actor-critic whose critics also fit the simulator's gradients (L2)"
     ),
-    "hybrid-sac": Algorithm(
-        name="hybrid-sac",
-        summary="Soft actor-critic whose critics also fit the simulator's gradients (L2)",
-        builder="algorithms.actor_critic.sac:build",
-        config="algorithms.settings:SACConfig",
-        uses_weights=True,
-        needs_reward_gradient=False,
-        memory="algorithms.memory:of_replay",
-    ),
-    "gd": Algorithm(
-        name="gd",
-        summary="Gradient ascent of the actor on whole episodes' returns, through the simulator",
+    Algorithm(
+        "gd",
+        "Gradient ascent of the actor on whole episodes' returns, through the simulator",
         builder="algorithms.ascent.learner:build",
         config="algorithms.settings:GDConfig",
-        uses_weights=False,
         needs_reward_gradient=True,
         memory="algorithms.memory:of_episodes",
     ),
-    "mpc": Algorithm(
-        name="mpc",
-        summary="Model-predictive control: iLQR with control limits in a receding horizon",
+    Algorithm(
+        "mpc",
+        "Model-predictive control: iLQR with control limits in a receding horizon",
         builder="algorithms.planning.mpc:build",
         config="algorithms.settings:MPCConfig",
-        uses_weights=False,
         needs_reward_gradient=True,
         memory="algorithms.memory:of_plan",
     ),
-}
+)
+OWN = {algorithm.name: algorithm for algorithm in _ALL}
 
 
 def names() -> list[str]:
@@ -142,3 +137,11 @@ def find(name: str) -> Algorithm:
     near = get_close_matches(str(name).lower(), names(), n=1, cutoff=0.5)
     hint = f"; did you mean {near[0]!r}?" if near else ""
     raise ValueError(f"unknown algorithm {name!r}{hint} (known: {', '.join(names())})")
+
+
+def baseline(name: str) -> str:
+    """The algorithm that this one extends, by name; empty for none and for an unknown name."""
+    try:
+        return find(name).extends
+    except ValueError:
+        return ""
