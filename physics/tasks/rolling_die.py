@@ -223,6 +223,7 @@ class RollingDie(Environment):
     action_size = 1
     horizon = 150
     max_reward = 0.0
+    step_seconds = DT
     angles = MappingProxyType({2: 4})
     regimes = (
         "flight",
