@@ -1,7 +1,7 @@
 """Presets: the settings the evaluation uses, per algorithm and task, and what chose them.
 
 A submission that names no setting gets these; the settings that it names stand over them. On a task
-of one's own, a hybrid has weights that hurt on none of the tasks here (`Hybrid.usual`).
+of one's own, a hybrid has weights that hurt on none of the tasks here (`Weights.usual`).
 
 ddpg, sac and their hybrids: the best cell, by the area under the normalised curve, of the search in
 `service/paper/tuning.py`, over seeds that no evaluation uses. results/tuning.csv has every cell,
@@ -60,6 +60,8 @@ Their timesteps are more than an episode can take, so that it is always planned 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
+
+from algorithms import catalogue
 
 NO_WEIGHTS = (0.0, 0.0)
 SMALLEST_WEIGHT, LARGEST_WEIGHT = 1e-30, 1e30
@@ -121,23 +123,20 @@ SETTINGS: Mapping[str, Mapping[str, Mapping[str, Any]]] = {
 
 
 @dataclass(frozen=True)
-class Hybrid:
-    """What a hybrid adds to its baseline.
+class Weights:
+    """The weights (w1, w2) of a hybrid, whose other settings are those of what it extends.
 
     Attributes:
-        baseline: the learner it extends, whose settings it takes.
-        usual: its weights (w1, w2) on a task that none were chosen for.
-        chosen: its weights by task.
+        usual: on a task that none were chosen for.
+        chosen: by task.
     """
 
-    baseline: str
     usual: tuple[float, float]
     chosen: Mapping[str, tuple[float, float]]
 
 
-HYBRIDS: Mapping[str, Hybrid] = {
-    "hybrid-ddpg": Hybrid(
-        "ddpg",
+WEIGHTS: Mapping[str, Weights] = {
+    "hybrid-ddpg": Weights(
         (1.0, 0.0),
         {
             "MassPoint": (1.0, 0.0),
@@ -150,8 +149,7 @@ HYBRIDS: Mapping[str, Hybrid] = {
             "HalfCheetah": (0.0, 0.01),
         },
     ),
-    "hybrid-ddpg-cosine": Hybrid(
-        "ddpg",
+    "hybrid-ddpg-cosine": Weights(
         (0.01, 0.01),
         {
             "CartPole": (0.0, 0.01),
@@ -163,8 +161,7 @@ HYBRIDS: Mapping[str, Hybrid] = {
             "HalfCheetah": (0.0, 0.01),
         },
     ),
-    "hybrid-sac": Hybrid(
-        "sac",
+    "hybrid-sac": Weights(
         (0.1, 0.1),
         {
             "CartPole": (1.0, 1.0),
@@ -201,12 +198,12 @@ def preset(algorithm: str, environment: str) -> Preset:
     """
     if (algorithm, environment) in ALONE:
         return ALONE[algorithm, environment]
-    hybrid = HYBRIDS.get(algorithm)
-    baseline = hybrid.baseline if hybrid else algorithm
+    matched = WEIGHTS.get(algorithm)
+    baseline = catalogue.baseline(algorithm) if matched else algorithm
     if baseline not in SETTINGS:
         return Preset()
     return Preset(
-        weights=hybrid.chosen.get(environment, hybrid.usual) if hybrid else NO_WEIGHTS,
+        weights=matched.chosen.get(environment, matched.usual) if matched else NO_WEIGHTS,
         timesteps=TIMESTEPS.get(environment, USUAL_TIMESTEPS),
         config=SETTINGS[baseline].get(environment, {}),
     )

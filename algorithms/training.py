@@ -16,7 +16,7 @@ from algorithms.catalogue import Algorithm
 from algorithms.early_end import DivergedError, Divergence, FailedRunsError, Failure
 from algorithms.learner import Learner
 from algorithms.measurement import Measurement
-from algorithms.presets import HYBRIDS, LARGEST_WEIGHT, SMALLEST_WEIGHT, completed, preset
+from algorithms.presets import LARGEST_WEIGHT, SMALLEST_WEIGHT, completed, preset
 from physics.environment import Environment
 from physics.kernels.compile_notice import noticed
 
@@ -107,10 +107,10 @@ def prepare(
     check_pair(chosen, task)
     numbers, steps = seed_numbers(seeds), step_number(steps)
     check_weights(chosen, pair)
-    if is_baseline(algorithm, pair):
-        baseline = HYBRIDS[algorithm].baseline
+    if chosen.extends and not any(pair):
         warnings.warn(
-            f"{algorithm} with weights (0, 0) matches no gradients: it is {baseline}, bit for bit",
+            f"{algorithm} with weights (0, 0) matches no gradients: "
+            f"it is {chosen.extends}, bit for bit",
             stacklevel=2,
         )
     return partial(chosen.load(), task, numbers, pair, steps, settings)
@@ -158,8 +158,3 @@ def check_weights(algorithm: Algorithm, weights: tuple[float, float]) -> None:
         )
     if not algorithm.uses_weights and any(weights):
         raise ValueError(f"{algorithm.name} takes no weights, but got {weights}: give (0, 0)")
-
-
-def is_baseline(algorithm: str, weights: tuple[float, float]) -> bool:
-    """Whether an algorithm with these weights is a hybrid that matches nothing."""
-    return algorithm in HYBRIDS and not any(weights)

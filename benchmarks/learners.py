@@ -27,7 +27,7 @@ from stable_baselines3 import DDPG, SAC
 from stable_baselines3.common.logger import configure
 
 from algorithms import catalogue
-from algorithms.actor_critic.learner import Agent
+from algorithms.actor_critic.agent import Agent
 from algorithms.experience.replay import Memory
 from algorithms.experience.rollout import Experience
 from algorithms.threads import one_thread

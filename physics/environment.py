@@ -106,6 +106,8 @@ class Environment(metaclass=CheckedWhenMade):
     """Steps after which an episode is truncated."""
     max_reward: ClassVar[float]
     """The `max(r)` of the normalised return."""
+    step_seconds: ClassVar[float] = 1 / 30
+    """Seconds of a step, as it is played; the default is for tasks that know no seconds."""
     reward_is_differentiable: ClassVar[bool] = True
     """If False, the reward is piecewise constant and its gradients are 0."""
     angles: ClassVar[Mapping[int, int]] = MappingProxyType({})

@@ -75,6 +75,7 @@ RULES = (
     *SIZES,
     Rule("horizon", "an integer from 1 on", is_whole),
     Rule("max_reward", "a finite number", is_number),
+    Rule("step_seconds", "a number above 0", lambda value: is_number(value) and value > 0),
     Rule("reward_is_differentiable", "True or False", lambda value: isinstance(value, bool)),
     Rule("angles", "a mapping of coordinates", lambda value: isinstance(value, Mapping)),
     Rule("hidden", "a tuple of coordinates", lambda value: isinstance(value, tuple)),

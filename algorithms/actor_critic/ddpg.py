@@ -28,6 +28,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from algorithms.actor_critic.agent import Cycle
 from algorithms.actor_critic.ddpg_update import (
     QUANTITIES,
     Rates,
@@ -36,37 +37,34 @@ from algorithms.actor_critic.ddpg_update import (
     gradient_pair,
     update,
 )
-from algorithms.actor_critic.learner import OffPolicyLearner
+from algorithms.actor_critic.learner import OffPolicyLearner, cohort
 from algorithms.actor_critic.parameter_noise import ParameterNoise, action_distance
-from algorithms.early_end import NotFiniteQuantityError
-from algorithms.experience.replay import Replay, check_finite, empty_memory
-from algorithms.experience.rollout import Experience, Rollout
-from algorithms.matching.diagnostics import UpdateMeans, agreement, with_derivatives
-from algorithms.matching.losses import Matching, is_matched, matching_of
+from algorithms.experience.replay import Memory
+from algorithms.matching.losses import Matching, matching_of
 from algorithms.networks import network
+from algorithms.networks.layer import Array
 from algorithms.networks.network import Shape
 from algorithms.networks.optimizer import learned
-from algorithms.networks.policy import Policy, deterministic
-from algorithms.networks.scaling import Coordinates, Statistics, coordinates_of
-from algorithms.networks.value_scale import move_value_scale, rescale_moments, rewrite_fit
+from algorithms.networks.policy import Policy
+from algorithms.networks.scaling import Coordinates, Scaling
+from algorithms.networks.value_scale import UnitChange, rescale_moments, rewrite_fit
 from algorithms.settings import DDPGConfig
-from algorithms.snapshot import Critic, Snapshot
 from algorithms.state import State, part, within
-from algorithms.stopwatch import Cost, Stopwatch
 from physics.environment import Environment
 from physics.randomness import generator
 
-MEANS = (
-    "critic_loss",
-    "gradient_loss",
-    "q_mean",
-    "critic_gradient_norm",
-    "actor_gradient_norm",
-)
 
+class DDPG:
+    """The networks of DDPG and of its hybrids; see `algorithms.actor_critic.agent.ActorCritic`."""
 
-class DDPGAgent:
-    """One run of DDPG, or of its hybrid; see `algorithms.actor_critic.learner.Agent`."""
+    means: Sequence[str] = (
+        "critic_loss",
+        "gradient_loss",
+        "q_mean",
+        "critic_gradient_norm",
+        "actor_gradient_norm",
+    )
+    quantities: Sequence[str] = QUANTITIES
 
     def __init__(
         self,
@@ -74,27 +72,16 @@ class DDPGAgent:
         coordinates: Coordinates,
         seed: int,
         matching: Matching,
-        timesteps: int,
         config: DDPGConfig,
     ) -> None:
-        """Draw the initial networks.
-
-        Args:
-            environment: the task.
-            coordinates: of its features.
-            seed: of the run.
-            matching: of the critic's gradients.
-            timesteps: of the whole run, which bounds its replay.
-            config: the settings.
-        """
-        self.seed = seed
-        self.updates = 0
-        self.jacobians = 0
-        self._environment = environment
+        """Draw the initial networks."""
+        self.reward_scale = 1.0
+        self.actor_shape, self._critic_shape = shapes_of(environment, config)
+        self.actor = learned(network.initial(self.actor_shape, generator(seed, "actor")))
+        self.critic = learned(network.initial(self._critic_shape, generator(seed, "critic")))
+        self._seed = seed
         self._coordinates = coordinates
-        self._config = config
         self._matching = matching
-        self._matched = is_matched(matching)
         self._rates = Rates(
             np.float32(config.gamma),
             np.float32(config.tau),
@@ -102,130 +89,68 @@ class DDPGAgent:
             config.critic_rate,
             np.float32(config.critic_decay),
         )
-        self._shapes = shapes_of(environment, config)
-        actor, critic = self._shapes
-        self._actor = learned(network.initial(actor, generator(seed, "actor")))
-        self._critic = learned(network.initial(critic, generator(seed, "critic")))
-        self._statistics = Statistics(coordinates, environment.action_size)
         self._perturbations = 0
-        self._noise = ParameterNoise(config.noise, network.noisy_size(actor))
-        capacity = min(config.replay_size, timesteps)
-        memory = empty_memory(capacity, environment, coordinates, linearized=self._matched)
-        self.replay = Replay(memory, environment.state_size)
-        self._means = UpdateMeans(MEANS)
+        self._noise = ParameterNoise(config.noise, network.noisy_size(self.actor_shape))
 
-    def policy(self) -> Policy:
-        """The deterministic policy learned so far."""
-        scaling = self._statistics.scaling()
-        m = self._environment.action_size
-        return deterministic(self._actor.theta, scaling.mean, scaling.inverse, m)
-
-    def exploring_policy(self) -> Policy:
+    def explorer(self, policy: Policy) -> Policy:
         """A newly perturbed actor."""
-        noise = generator(self.seed, "parameter noise", self._perturbations)
+        noise = generator(self._seed, "parameter noise", self._perturbations)
         self._perturbations += 1
-        return self.policy()._replace(theta=self._noise.perturbed(self._actor.theta, noise))
+        return policy._replace(theta=self._noise.perturbed(policy.theta, noise))
 
-    def remember(self, experience: Experience) -> None:
-        """Store the transitions and take in their features."""
-        transitions = experience.transitions
-        check_finite(transitions)
-        self._statistics.observe(np.ascontiguousarray(transitions.features))
-        self._statistics.observe_rewards(transitions.rewards.astype(np.float64))
-        self.replay.extend(transitions, experience.states)
-        self.jacobians += len(experience.states) if self._matched else 0
-
-    def learn(self) -> None:
-        """Adapt the noise, update both networks, move the critic's output unit."""
-        count, batch = self._config.cycle_updates, self._config.batch_size
-        self._adapt_noise()
-        draws = generator(self.seed, "batches", self.updates)
-        indices = draws.integers(self.replay.size, size=(count, batch))
-        report = empty_report(count)
+    def update(self, cycle: Cycle) -> tuple[int, int, Report]:
+        """Adapt the noise, update both networks."""
+        self._adapt_noise(cycle)
+        report = empty_report(len(cycle.indices))
         done, lost = update(
-            self._actor, self._critic, self.updates, self.replay.memory, indices,
-            self._coordinates, self._statistics.scaling(), self._rates, self._matching,
-            self._shapes, report,
+            self.actor, self.critic, cycle.done, cycle.replay.memory, cycle.indices,
+            self._coordinates, cycle.scaling, self._rates, self._matching,
+            (self.actor_shape, self._critic_shape), report,
         )  # fmt: skip
-        self.updates += done
-        if lost >= 0:
-            raise NotFiniteQuantityError(QUANTITIES[lost])
-        self._move_value_scale(report)
-        self._means.add(report)
+        return done, lost, report
 
-    def diagnose(self, timestep: int) -> dict[str, float]:
-        """The means of the updates since the last call, and how well gradients fit."""
-        draws = generator(self.seed, "diagnostics", timestep)
-        indices = draws.integers(self.replay.size, size=self._config.batch_size)
-        drawn = with_derivatives(self._environment, self._coordinates, self.replay, indices)
-        self.jacobians += len(indices)
-        gradient, target = gradient_pair(
-            self._actor, self._critic, drawn, self._coordinates, self._statistics.scaling(),
-            self._rates.gamma, self._shapes,
+    def change_unit(self, change: UnitChange) -> None:
+        """Leave Q and Q' as they are; the actor climbs the normalised Q."""
+        rewrite_fit(self.critic, self._critic_shape, change)
+        rescale_moments(self.actor, np.float32(change.ratio))
+
+    def gradient_pair(self, memory: Memory, scaling: Scaling) -> tuple[Array, Array]:
+        """The critic's gradient [B, C + m] and its target, at every transition of a memory."""
+        return gradient_pair(
+            self.actor, self.critic, memory, self._coordinates, scaling,
+            self._rates.gamma, (self.actor_shape, self._critic_shape),
         )  # fmt: skip
-        return {
-            **self._means.take(),
-            **agreement(gradient, target, self._coordinates),
-            "noise_scale": self._noise.scale,
-            "value_std": self._statistics.value_std,
-        }
+
+    def diagnostics(self) -> dict[str, float]:
+        """The standard deviation of the parameter noise."""
+        return {"noise_scale": self._noise.scale}
 
     def state(self) -> State:
-        """All that its next bits depend on but the replay."""
-        own = {
-            "updates": np.array(self.updates),
-            "jacobians": np.array(self.jacobians),
+        """The networks and the noise."""
+        return {
             "perturbations": np.array(self._perturbations),
             "noise_scale": np.array(self._noise.scale),
+            **within("actor", self.actor.state()),
+            **within("critic", self.critic.state()),
         }
-        return (
-            own
-            | within("actor", self._actor.state())
-            | within("critic", self._critic.state())
-            | within("statistics", self._statistics.state())
-            | within("means", self._means.state())
-        )
 
     def restore(self, state: State) -> None:
         """Take up what `state` gave."""
-        self.updates = int(state["updates"])
-        self.jacobians = int(state["jacobians"])
         self._perturbations = int(state["perturbations"])
         self._noise.scale = float(state["noise_scale"])
-        self._actor.restore(part(state, "actor"))
-        self._critic.restore(part(state, "critic"))
-        self._statistics.restore(part(state, "statistics"))
-        self._means.restore(part(state, "means"))
+        self.actor.restore(part(state, "actor"))
+        self.critic.restore(part(state, "critic"))
 
-    def snapshot(self, timestep: int) -> Snapshot:
-        """What was learned so far."""
-        statistics = self._statistics
-        return Snapshot(
-            timestep,
-            self._config.hidden_units,
-            self._environment.action_size,
-            self.policy(),
-            Critic(self._critic.theta, statistics.value_mean, statistics.value_std),
-        )
-
-    def _adapt_noise(self) -> None:
+    def _adapt_noise(self, cycle: Cycle) -> None:
         """Measure what a fresh perturbation does to the actions, and follow it."""
-        draws = generator(self.seed, "noise adaptation", self.updates)
-        perturbed = self._noise.perturbed(self._actor.theta, draws)
-        indices = draws.integers(self.replay.size, size=self._config.batch_size)
+        draws = generator(self._seed, "noise adaptation", cycle.done)
+        perturbed = self._noise.perturbed(self.actor.theta, draws)
+        indices = draws.integers(cycle.replay.size, size=cycle.indices.shape[1:])
         distance = action_distance(
-            self._actor.theta, perturbed, self.replay.memory, indices,
-            self._statistics.scaling(), self._shapes[0],
+            self.actor.theta, perturbed, cycle.replay.memory, indices,
+            cycle.scaling, self.actor_shape,
         )  # fmt: skip
         self._noise.adapt(float(distance))
-
-    def _move_value_scale(self, report: Report) -> None:
-        """Set the unit of Q to the cycle's targets, leaving Q and Q' as they are."""
-        change = move_value_scale(
-            self._statistics, report.target_mean.mean(), report.target_square.mean()
-        )
-        rewrite_fit(self._critic, self._shapes[1], change)
-        rescale_moments(self._actor, np.float32(change.ratio))  # it climbs the normalised Q
 
 
 def shapes_of(environment: Environment, config: DDPGConfig) -> tuple[Shape, Shape]:
@@ -245,7 +170,9 @@ def build(
     config: DDPGConfig,
 ) -> OffPolicyLearner:
     """A cohort of DDPG runs; with weights other than 0, of its hybrid (L2)."""
-    return cohort(environment, seeds, matching_of(weights, by_cosine=False), timesteps, config)
+    return matching_cohort(
+        environment, seeds, matching_of(weights, by_cosine=False), timesteps, config
+    )
 
 
 def build_cosine(
@@ -256,10 +183,12 @@ def build_cosine(
     config: DDPGConfig,
 ) -> OffPolicyLearner:
     """A cohort of runs of DDPG's hybrid that matches the gradients' directions."""
-    return cohort(environment, seeds, matching_of(weights, by_cosine=True), timesteps, config)
+    return matching_cohort(
+        environment, seeds, matching_of(weights, by_cosine=True), timesteps, config
+    )
 
 
-def cohort(
+def matching_cohort(
     environment: Environment,
     seeds: Sequence[int],
     matching: Matching,
@@ -267,18 +196,7 @@ def cohort(
     config: DDPGConfig,
 ) -> OffPolicyLearner:
     """A cohort of runs whose critics match gradients as given."""
-    coordinates = coordinates_of(environment)
-    stopwatch = Stopwatch({seed: Cost() for seed in seeds})
-    with stopwatch.aside():
-        agents = [
-            DDPGAgent(environment, coordinates, seed, matching, timesteps, config) for seed in seeds
-        ]
-        rollout = Rollout(
-            environment, coordinates, seeds,
-            linearized=is_matched(matching),
-            time_limit_is_terminal=config.time_limit_is_terminal,
-        )  # fmt: skip
-    return OffPolicyLearner(
-        environment, agents, rollout, agents[0]._shapes[0],
-        stopwatch=stopwatch, timesteps=timesteps, rollout_steps=config.rollout_steps,
-    )  # fmt: skip
+    terminal = config.time_limit_is_terminal
+    return cohort(
+        DDPG, environment, seeds, matching, timesteps, config, time_limit_is_terminal=terminal
+    )

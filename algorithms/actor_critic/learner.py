@@ -8,59 +8,28 @@ raises in one run ends it alone.
 import math
 from collections import deque
 from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import Protocol
+from typing import TypeVar
 
 import numpy as np
 
+from algorithms.actor_critic.agent import ActorCritic, Agent, Settings
 from algorithms.early_end import EarlyEnd
 from algorithms.experience.evaluation import episode_returns
-from algorithms.experience.replay import Replay
-from algorithms.experience.rollout import Experience, Rollout, start_states
+from algorithms.experience.rollout import Rollout, start_states
 from algorithms.failing_rows import early_end, found
+from algorithms.matching.losses import Matching, is_matched
 from algorithms.measurement import HISTORY, MEASURE_EVERY, Measurement
-from algorithms.networks.network import Shape
-from algorithms.networks.policy import Policies, Policy
+from algorithms.networks.policy import Policies
+from algorithms.networks.scaling import Coordinates, coordinates_of
 from algorithms.snapshot import Snapshot
 from algorithms.state import Saved, State, part, within
-from algorithms.stopwatch import Stopwatch
+from algorithms.stopwatch import Cost, Stopwatch
 from algorithms.threads import one_thread
 from physics.environment import Environment
 
-
-class Agent(Protocol):
-    """One run's learner.
-
-    Its calls raise NotFiniteQuantityError where a quantity stops being finite.
-    """
-
-    seed: int
-    updates: int
-    jacobians: int
-    replay: Replay
-
-    def policy(self) -> Policy:
-        """The deterministic policy learned so far."""
-
-    def exploring_policy(self) -> Policy:
-        """A policy to explore with, drawn anew at each call."""
-
-    def remember(self, experience: Experience) -> None:
-        """Take in what was lived through."""
-
-    def learn(self) -> None:
-        """Do a cycle's updates."""
-
-    def diagnose(self, timestep: int) -> dict[str, float]:
-        """Numbers that tell how learning went since the last call."""
-
-    def state(self) -> State:
-        """All that its next bits depend on but the replay."""
-
-    def restore(self, state: State) -> None:
-        """Take up what `state` gave; the replay is filled by who calls this."""
-
-    def snapshot(self, timestep: int) -> Snapshot:
-        """What was learned so far."""
+Config = TypeVar("Config", bound=Settings)
+NewActorCritic = Callable[[Environment, Coordinates, int, Matching, Config], ActorCritic]
+"""`(environment, coordinates, seed, matching, config)` -> an actor-critic about to be trained."""
 
 
 class OffPolicyLearner:
@@ -71,7 +40,6 @@ class OffPolicyLearner:
         environment: Environment,
         agents: Sequence[Agent],
         rollout: Rollout,
-        actor_shape: Shape,
         *,
         stopwatch: Stopwatch,
         timesteps: int,
@@ -81,8 +49,8 @@ class OffPolicyLearner:
         self._environment = environment
         self._agents = list(agents)
         self._rollout = rollout
-        self._shape = actor_shape
-        self._exploring = Policies([agent.exploring_policy() for agent in agents], actor_shape)
+        self._shape = agents[0].actor_shape
+        self._exploring = Policies([agent.exploring_policy() for agent in agents], self._shape)
         self._timesteps = timesteps
         self._rollout_steps = rollout_steps
         self._histories = {agent.seed: deque[float](maxlen=HISTORY) for agent in agents}
@@ -229,3 +197,35 @@ class OffPolicyLearner:
             compile_seconds=cost.compile_seconds,
             diagnostics=diagnostics,
         )
+
+
+def cohort(
+    new: NewActorCritic[Config],
+    environment: Environment,
+    seeds: Sequence[int],
+    matching: Matching,
+    timesteps: int,
+    config: Config,
+    *,
+    time_limit_is_terminal: bool = False,
+) -> OffPolicyLearner:
+    """A cohort of runs, each with a new actor-critic."""
+    coordinates, linearized = coordinates_of(environment), is_matched(matching)
+    stopwatch = Stopwatch({seed: Cost() for seed in seeds})
+    with stopwatch.aside():
+        agents = [
+            Agent(
+                environment, coordinates, seed,
+                new(environment, coordinates, seed, matching, config),
+                timesteps, config, linearized=linearized,
+            )
+            for seed in seeds
+        ]  # fmt: skip
+        rollout = Rollout(
+            environment, coordinates, seeds,
+            linearized=linearized, time_limit_is_terminal=time_limit_is_terminal,
+        )  # fmt: skip
+    return OffPolicyLearner(
+        environment, agents, rollout,
+        stopwatch=stopwatch, timesteps=timesteps, rollout_steps=config.rollout_steps,
+    )  # fmt: skip

@@ -34,7 +34,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from algorithms.actor_critic.learner import OffPolicyLearner
+from algorithms.actor_critic.agent import Cycle
+from algorithms.actor_critic.learner import OffPolicyLearner, cohort
 from algorithms.actor_critic.sac_update import (
     QUANTITIES,
     Networks,
@@ -45,38 +46,35 @@ from algorithms.actor_critic.sac_update import (
     gradient_pair,
     update,
 )
-from algorithms.early_end import NotFiniteQuantityError
-from algorithms.experience.replay import Replay, check_finite, empty_memory
-from algorithms.experience.rollout import Experience, Rollout
-from algorithms.matching.diagnostics import UpdateMeans, agreement, with_derivatives
-from algorithms.matching.losses import Matching, is_matched, matching_of
+from algorithms.experience.replay import Memory
+from algorithms.matching.losses import Matching, matching_of
 from algorithms.networks import network
+from algorithms.networks.layer import Array
 from algorithms.networks.network import Shape
 from algorithms.networks.optimizer import learned, learned_alone
 from algorithms.networks.policy import Policy
-from algorithms.networks.scaling import Coordinates, Statistics, coordinates_of
-from algorithms.networks.value_scale import move_value_scale, rewrite_fit
+from algorithms.networks.scaling import Coordinates, Scaling
+from algorithms.networks.value_scale import UnitChange, rewrite_fit
 from algorithms.settings import SACConfig
-from algorithms.snapshot import Critic, Snapshot
 from algorithms.state import State, part, within
-from algorithms.stopwatch import Cost, Stopwatch
 from physics.environment import Environment
 from physics.randomness import generator
 
-MEANS = (
-    "critic_loss",
-    "gradient_loss",
-    "value_loss",
-    "q_mean",
-    "entropy",
-    "critic_gradient_norm",
-    "value_gradient_norm",
-    "actor_gradient_norm",
-)
 
+class SAC:
+    """The networks of SAC and of its hybrid; see `algorithms.actor_critic.agent.ActorCritic`."""
 
-class SACAgent:
-    """One run of SAC, or of its hybrid; see `algorithms.actor_critic.learner.Agent`."""
+    means: Sequence[str] = (
+        "critic_loss",
+        "gradient_loss",
+        "value_loss",
+        "q_mean",
+        "entropy",
+        "critic_gradient_norm",
+        "value_gradient_norm",
+        "actor_gradient_norm",
+    )
+    quantities: Sequence[str] = QUANTITIES
 
     def __init__(
         self,
@@ -84,157 +82,70 @@ class SACAgent:
         coordinates: Coordinates,
         seed: int,
         matching: Matching,
-        timesteps: int,
         config: SACConfig,
     ) -> None:
-        """Draw the initial networks.
-
-        Args:
-            environment: the task.
-            coordinates: of its features.
-            seed: of the run.
-            matching: of the critics' gradients.
-            timesteps: of the whole run, which bounds its replay.
-            config: the settings.
-        """
-        self.seed = seed
-        self.updates = 0
-        self.jacobians = 0
-        self._environment = environment
+        """Draw the initial networks."""
+        self.reward_scale = config.reward_scale
+        self._shapes = shapes_of(environment, config)
+        self._networks = initial_networks(self._shapes, seed)
+        self.actor_shape, self.actor = self._shapes.policy, self._networks.policy
+        self.critic = self._networks.critics[0]
+        self._seed = seed
         self._coordinates = coordinates
-        self._config = config
         self._matching = matching
-        self._matched = is_matched(matching)
         self._rates = Rates(
             np.float32(config.gamma),
             np.float32(config.tau),
             np.float32(config.reward_scale),
             config.rate,
         )
-        self._shapes = shapes_of(environment, config)
-        self._networks = initial_networks(self._shapes, seed)
-        self._statistics = Statistics(coordinates, environment.action_size)
+        self._noise_shape = config.rollout_steps, environment.action_size
         self._explorations = 0
-        capacity = min(config.replay_size, timesteps)
-        memory = empty_memory(capacity, environment, coordinates, linearized=self._matched)
-        self.replay = Replay(memory, environment.state_size)
-        self._means = UpdateMeans(MEANS)
 
-    def policy(self) -> Policy:
-        """The mean of the policy learned so far."""
-        return self._policy(steps=0, noise=generator(self.seed, "exploration"))
-
-    def exploring_policy(self) -> Policy:
+    def explorer(self, policy: Policy) -> Policy:
         """The policy, with new noise for a cycle."""
-        noise = generator(self.seed, "exploration", self._explorations)
+        noise = generator(self._seed, "exploration", self._explorations)
         self._explorations += 1
-        return self._policy(self._config.rollout_steps, noise)
+        return policy._replace(noise=noise.standard_normal(self._noise_shape, np.float32))
 
-    def remember(self, experience: Experience) -> None:
-        """Store the transitions and take in their features."""
-        transitions, c = experience.transitions, self._config.reward_scale
-        check_finite(transitions)
-        self._statistics.observe(np.ascontiguousarray(transitions.features))
-        self._statistics.observe_rewards(c * transitions.rewards.astype(np.float64))
-        self.replay.extend(transitions, experience.states)
-        self.jacobians += len(experience.states) if self._matched else 0
-
-    def learn(self) -> None:
-        """Update all networks, move the unit of V and Q."""
-        count, batch = self._config.cycle_updates, self._config.batch_size
-        draws = generator(self.seed, "batches", self.updates)
-        indices = draws.integers(self.replay.size, size=(count, batch))
-        noise = draws.standard_normal((count, batch, self._environment.action_size), np.float32)
-        report = empty_report(count)
+    def update(self, cycle: Cycle) -> tuple[int, int, Report]:
+        """Update all networks, with actions drawn anew."""
+        actions = self._noise_shape[1]
+        noise = cycle.draws.standard_normal((*cycle.indices.shape, actions), np.float32)
+        report = empty_report(len(cycle.indices))
         done, lost = update(
-            self._networks, self.updates, self.replay.memory, indices, noise,
-            self._coordinates, self._statistics.scaling(), self._rates, self._matching,
-            self._shapes, report,
+            self._networks, cycle.done, cycle.replay.memory, cycle.indices, noise,
+            self._coordinates, cycle.scaling, self._rates, self._matching, self._shapes, report,
         )  # fmt: skip
-        self.updates += done
-        if lost >= 0:
-            raise NotFiniteQuantityError(QUANTITIES[lost])
-        self._move_value_scale(report)
-        self._means.add(report)
+        return done, lost, report
 
-    def diagnose(self, timestep: int) -> dict[str, float]:
-        """The means of the updates since the last call, and how well gradients fit.
-
-        Numbers in the unit of Q are those of the rewards as the task gives them.
-        """
-        draws = generator(self.seed, "diagnostics", timestep)
-        indices = draws.integers(self.replay.size, size=self._config.batch_size)
-        drawn = with_derivatives(self._environment, self._coordinates, self.replay, indices)
-        self.jacobians += len(indices)
-        gradient, target = gradient_pair(
-            self._networks, drawn, self._coordinates, self._statistics.scaling(),
-            self._rates, self._shapes,
-        )  # fmt: skip
-        means, c = self._means.take(), self._config.reward_scale
-        return {
-            **means,
-            "q_mean": means["q_mean"] / c,
-            **agreement(gradient, target, self._coordinates),
-            "value_std": self._statistics.value_std / c,
-        }
-
-    def state(self) -> State:
-        """All that its next bits depend on but the replay."""
-        own = {
-            "updates": np.array(self.updates),
-            "jacobians": np.array(self.jacobians),
-            "explorations": np.array(self._explorations),
-        }
-        return (
-            own
-            | within("networks", self._networks.state())
-            | within("statistics", self._statistics.state())
-            | within("means", self._means.state())
-        )
-
-    def restore(self, state: State) -> None:
-        """Take up what `state` gave."""
-        self.updates = int(state["updates"])
-        self.jacobians = int(state["jacobians"])
-        self._explorations = int(state["explorations"])
-        self._networks.restore(part(state, "networks"))
-        self._statistics.restore(part(state, "statistics"))
-        self._means.restore(part(state, "means"))
-
-    def snapshot(self, timestep: int) -> Snapshot:
-        """The mean of the policy, and the first critic, in the unit of the task's rewards."""
-        statistics, c = self._statistics, self._config.reward_scale
-        policy, m = self.policy(), self._environment.action_size
-        return Snapshot(
-            timestep,
-            self._config.hidden_units,
-            m,
-            policy._replace(theta=network.first_outputs(policy.theta, self._shapes.policy, m)),
-            Critic(
-                self._networks.critics[0].theta,
-                statistics.value_mean / c,
-                statistics.value_std / c,
-            ),
-        )
-
-    def _policy(self, steps: int, noise: np.random.Generator) -> Policy:
-        """The policy with noise for so many steps."""
-        scaling, m = self._statistics.scaling(), self._environment.action_size
-        return Policy(
-            self._networks.policy.theta,
-            scaling.mean,
-            scaling.inverse,
-            noise.standard_normal((steps, m), np.float32),
-        )
-
-    def _move_value_scale(self, report: Report) -> None:
-        """Set the unit of V and Q to the cycle's targets, leaving them as they are."""
-        change = move_value_scale(
-            self._statistics, report.target_mean.mean(), report.target_square.mean()
-        )
+    def change_unit(self, change: UnitChange) -> None:
+        """Leave V and both Q as they are."""
         rewrite_fit(self._networks.value, self._shapes.value, change)
         for critic in self._networks.critics:
             rewrite_fit(critic, self._shapes.critic, change)
+
+    def gradient_pair(self, memory: Memory, scaling: Scaling) -> tuple[Array, Array]:
+        """The first critic's gradient [B, C + m] and its target."""
+        return gradient_pair(
+            self._networks, memory, self._coordinates, scaling, self._rates, self._shapes
+        )
+
+    def diagnostics(self) -> dict[str, float]:
+        """Nothing beyond what every agent tells."""
+        return {}
+
+    def state(self) -> State:
+        """The networks and how much noise was drawn."""
+        return {
+            "explorations": np.array(self._explorations),
+            **within("networks", self._networks.state()),
+        }
+
+    def restore(self, state: State) -> None:
+        """Take up what `state` gave."""
+        self._explorations = int(state["explorations"])
+        self._networks.restore(part(state, "networks"))
 
 
 def shapes_of(environment: Environment, config: SACConfig) -> Shapes:
@@ -266,18 +177,5 @@ def build(
     config: SACConfig,
 ) -> OffPolicyLearner:
     """A cohort of SAC runs; with weights other than 0, of its hybrid."""
-    coordinates = coordinates_of(environment)
     matching = matching_of(weights, by_cosine=False)
-    stopwatch = Stopwatch({seed: Cost() for seed in seeds})
-    with stopwatch.aside():
-        agents = [
-            SACAgent(environment, coordinates, seed, matching, timesteps, config) for seed in seeds
-        ]
-        rollout = Rollout(
-            environment, coordinates, seeds,
-            linearized=is_matched(matching), time_limit_is_terminal=False,
-        )  # fmt: skip
-    return OffPolicyLearner(
-        environment, agents, rollout, agents[0]._shapes.policy,
-        stopwatch=stopwatch, timesteps=timesteps, rollout_steps=config.rollout_steps,
-    )  # fmt: skip
+    return cohort(SAC, environment, seeds, matching, timesteps, config)

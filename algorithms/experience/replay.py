@@ -25,7 +25,13 @@ from numpy.typing import NDArray
 
 from algorithms.early_end import NotFiniteQuantityError
 from algorithms.networks.layer import Array
-from algorithms.networks.scaling import Coordinates, Scaling, coordinate_slopes, normalise
+from algorithms.networks.scaling import (
+    CLIP,
+    Coordinates,
+    Scaling,
+    coordinate_slopes,
+    normalise,
+)
 from algorithms.state import State
 from physics.environment import Environment
 from physics.kernels.compiled import compiled_fast
@@ -212,7 +218,7 @@ def draw_derivatives(
             unit = scaling.unit[j] / scaling.value_std
             batch.reward_gradients[row, j] = memory.reward_gradients[k, j] * unit
         for i in range(features):
-            inside = abs(batch.next_x[row, i]) < real(5)
+            inside = abs(batch.next_x[row, i]) < CLIP
             inverse = scaling.inverse[i] if inside else real(0)
             for j in range(columns):
                 batch.jacobians[row, i, j] = memory.jacobians[k, i, j] * inverse * scaling.unit[j]

@@ -88,5 +88,14 @@ def with_derivatives(
     """Transitions of a replay, their derivatives worked out again from the states."""
     actions = replay.memory.actions[indices].astype(np.float64)
     steps = environment.differentiate(replay.states[indices], actions)
-    kept = [part[indices] for part in replay.memory[:5]]
-    return Memory._make([*kept, *fold(environment, coordinates, steps)])
+    memory = replay.memory
+    reward_gradients, jacobians = fold(environment, coordinates, steps)
+    return Memory(
+        features=memory.features[indices],
+        actions=memory.actions[indices],
+        rewards=memory.rewards[indices],
+        next_features=memory.next_features[indices],
+        continues=memory.continues[indices],
+        reward_gradients=reward_gradients,
+        jacobians=jacobians,
+    )

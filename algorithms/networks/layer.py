@@ -67,7 +67,7 @@ class Adjoint(NamedTuple):
     """[B, H]"""
 
 
-class Tangent(NamedTuple):
+class LayerTangent(NamedTuple):
     """What a forward pass along a direction leaves."""
 
     z: Array
@@ -150,7 +150,7 @@ def gradient(x: Array, trace: Trace, adjoint: Adjoint, result: Layer) -> None:
 
 
 @compiled_fast
-def tangent(layer: Layer, trace: Trace, x_dot: Array, result: Tangent) -> None:
+def tangent(layer: Layer, trace: Trace, x_dot: Array, result: LayerTangent) -> None:
     """How the layer changes as its inputs move along `x_dot [B, I]`."""
     np.dot(x_dot, layer.weight, result.z)
     n, h = trace.n, trace.h
@@ -174,7 +174,7 @@ def tangent(layer: Layer, trace: Trace, x_dot: Array, result: Tangent) -> None:
 
 @compiled_fast
 def second_backward(
-    layer: Layer, trace: Trace, adjoint: Adjoint, moved: Tangent, h_bar: Array, result: Layer
+    layer: Layer, trace: Trace, adjoint: Adjoint, moved: LayerTangent, h_bar: Array, result: Layer
 ) -> None:
     """Turn `h_bar [B, H]` into ztil in place; the gradient but for `weight` goes to `result`."""
     n, h, ybar = trace.n, trace.h, adjoint.y

@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from algorithms.networks import layer
-from algorithms.networks.layer import Adjoint, Array, Layer, Tangent, Trace
+from algorithms.networks.layer import Adjoint, Array, Layer, LayerTangent, Trace
 from physics.kernels.compiled import compiled_fast
 
 LAST = 3e-3
@@ -76,8 +76,8 @@ class Direction(NamedTuple):
 
     x: Array
     """[B, I]"""
-    first: Tangent
-    second: Tangent
+    first: LayerTangent
+    second: LayerTangent
     out: Array
     """[B, O]"""
     out_til: Array
@@ -187,8 +187,8 @@ def new_direction(theta: Array, rows: int, shape: Shape) -> Direction:
     wide = (rows, h)
     return Direction(
         np.empty((rows, i), kind),
-        Tangent(np.empty(wide, kind), np.empty(wide, kind), np.empty(wide, kind)),
-        Tangent(np.empty(wide, kind), np.empty(wide, kind), np.empty(wide, kind)),
+        LayerTangent(np.empty(wide, kind), np.empty(wide, kind), np.empty(wide, kind)),
+        LayerTangent(np.empty(wide, kind), np.empty(wide, kind), np.empty(wide, kind)),
         np.empty((rows, o), kind),
         np.empty((rows, o), kind),
         np.empty(wide, kind),

@@ -30,8 +30,8 @@ from physics.impacts.flying_body import (
     TIME,
     VX,
     VY,
-    Body,
-    Tangent,
+    BodyTangent,
+    FlyingBody,
     X,
     Y,
     accelerate,
@@ -66,7 +66,7 @@ SUNK_DEPTH = 1e-12  # m: a corner deeper than this was put below the ground, not
 
 
 @compiled
-def excess_energy(body: Body) -> float:
+def excess_energy(body: FlyingBody) -> float:
     """E (J), over that of a die lying still."""
     turning = 0.5 * INERTIA * body.spin * body.spin
     return 0.5 * body.vy * body.vy + turning + GRAVITY * (body.y - REST_HEIGHT)
@@ -81,13 +81,15 @@ def lever(angle: float, corner: int) -> tuple[float, float]:
 
 
 @compiled
-def gap(body: Body, corner: int) -> float:
+def gap(body: FlyingBody, corner: int) -> float:
     """Height of a corner above the ground."""
     return body.y + lever(body.angle, corner)[1]
 
 
 @compiled
-def move(body: Body, tangent: Tangent | None, trace: Trace | None, alpha: float) -> Body:
+def move(
+    body: FlyingBody, tangent: BodyTangent | None, trace: Trace | None, alpha: float
+) -> FlyingBody:
     """Move a die for the time it has left.
 
     Args:
@@ -125,7 +127,9 @@ def move(body: Body, tangent: Tangent | None, trace: Trace | None, alpha: float)
 
 
 @compiled
-def bounce(body: Body, tangent: Tangent | None, trace: Trace | None, corner: int) -> Body:
+def bounce(
+    body: FlyingBody, tangent: BodyTangent | None, trace: Trace | None, corner: int
+) -> FlyingBody:
     """Impact of a corner."""
     rx, ry = lever(body.angle, corner)
     contact = contact_at(body, rx, ry, INERTIA)
@@ -136,7 +140,7 @@ def bounce(body: Body, tangent: Tangent | None, trace: Trace | None, corner: int
 
 
 @compiled
-def settled_corner(body: Body) -> int:
+def settled_corner(body: FlyingBody) -> int:
     """The corner that is as good as on the ground, v^2 + 2 g gap < vs^2: the lowest, or none."""
     if 2.0 * GRAVITY * (body.y - REACH) >= SETTLING_SPEED * SETTLING_SPEED:
         return NO_TOUCH
@@ -151,13 +155,13 @@ def settled_corner(body: Body) -> int:
 
 @compiled
 def settle(
-    body: Body,
-    tangent: Tangent | None,
+    body: FlyingBody,
+    tangent: BodyTangent | None,
     trace: Trace | None,
     corner: int,
     alpha: float,
     touched: bool,
-) -> tuple[Body, int]:
+) -> tuple[FlyingBody, int]:
     """Settled contact of a corner until the time is up (NO_TOUCH), or until another one lands.
 
     `touched` says whether it comes from a touch within the step, which only the trace tells.
@@ -182,8 +186,8 @@ def settle(
 
 @compiled
 def glide(
-    body: Body, tangent: Tangent | None, corner: int, duration: float, alpha: float
-) -> tuple[Body, Impulse]:
+    body: FlyingBody, tangent: BodyTangent | None, corner: int, duration: float, alpha: float
+) -> tuple[FlyingBody, Impulse]:
     """Settled contact of a corner for a duration: one impulse, then the pose moves along."""
     rx, ry = lever(body.angle, corner)
     body = accelerate(body, tangent, duration, GRAVITY, alpha)
@@ -193,7 +197,7 @@ def glide(
 
 
 @compiled
-def landing_time(body: Body, corner: int, landing: int, alpha: float) -> float:
+def landing_time(body: FlyingBody, corner: int, landing: int, alpha: float) -> float:
     """How long a corner can settle until another one lands, by bisection, that one not below."""
     clear, sunk = 0.0, body.time
     for _ in range(BISECTIONS):
@@ -206,7 +210,9 @@ def landing_time(body: Body, corner: int, landing: int, alpha: float) -> float:
 
 
 @compiled
-def lie(body: Body, tangent: Tangent | None, trace: Trace | None, touched: bool) -> Body:
+def lie(
+    body: FlyingBody, tangent: BodyTangent | None, trace: Trace | None, touched: bool
+) -> FlyingBody:
     """Lie flat for the time that is left, sliding to rest; `touched` as in `settle`."""
     braking = GRAVITY * FRICTION
     stops = abs(body.vx) <= braking * body.time
@@ -221,7 +227,7 @@ def lie(body: Body, tangent: Tangent | None, trace: Trace | None, touched: bool)
             tangent[Y, k] = tangent[ANGLE, k] = tangent[VY, k] = tangent[SPIN, k] = 0.0
     if trace is not None:
         note(trace, lying_event(body, stops, touched))
-    return Body(
+    return FlyingBody(
         body.x + duration * (body.vx - 0.5 * deceleration * duration),
         REST_HEIGHT,
         QUARTER_TURN * np.rint(body.angle / QUARTER_TURN),
@@ -234,7 +240,7 @@ def lie(body: Body, tangent: Tangent | None, trace: Trace | None, touched: bool)
 
 @compiled
 def contact_event(
-    kind: float, body: Body, corner: int, impulse: Impulse, touched: bool, landing: int
+    kind: float, body: FlyingBody, corner: int, impulse: Impulse, touched: bool, landing: int
 ) -> Event:
     """The event of an impulse at a corner, from the die as it was before."""
     rx, ry = lever(body.angle, corner)
@@ -256,7 +262,7 @@ def contact_event(
 
 
 @compiled
-def lying_event(body: Body, stops: bool, touched: bool) -> Event:
+def lying_event(body: FlyingBody, stops: bool, touched: bool) -> Event:
     """The event of lying flat, from the die as it was before."""
     return Event(
         kind=LYING,

@@ -17,7 +17,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from physics.impacts.flying_body import Body, fly
+from physics.impacts.flying_body import FlyingBody, fly
 from physics.kernels.compiled import compiled
 
 SAME_MOMENT = 1e-12  # s: touches closer than this count as one
@@ -30,7 +30,7 @@ Corners = NDArray[np.float64]
 
 @compiled
 def first_touch(
-    body: Body, corners: Corners, reach: float, gravity: float, alpha: float
+    body: FlyingBody, corners: Corners, reach: float, gravity: float, alpha: float
 ) -> tuple[int, float]:
     """First corner to have gap <= 0 and v < 0 in the time left, and after how long (s).
 

@@ -29,7 +29,7 @@ from physics.impacts.impulse import Contact, Impulse, impulse_derivative
 from physics.kernels.compiled import compiled
 
 
-class Body(NamedTuple):
+class FlyingBody(NamedTuple):
     """Pose (m, m, rad), velocity (m/s, m/s, rad/s), and the time it has left to move (s)."""
 
     x: float
@@ -41,7 +41,7 @@ class Body(NamedTuple):
     time: float
 
 
-Tangent = NDArray[np.float64]
+BodyTangent = NDArray[np.float64]
 
 # Rows of a tangent.
 X = 0
@@ -60,7 +60,7 @@ COLUMNS = 8
 
 
 @compiled
-def start_tangent(tangent: Tangent) -> None:
+def start_tangent(tangent: BodyTangent) -> None:
     """Set the tangent of a body that has not moved: it is its own input."""
     tangent[:] = 0.0
     for coordinate in range(TIME):
@@ -68,7 +68,9 @@ def start_tangent(tangent: Tangent) -> None:
 
 
 @compiled
-def fly(body: Body, tangent: Tangent | None, duration: float, gravity: float, alpha: float) -> Body:
+def fly(
+    body: FlyingBody, tangent: BodyTangent | None, duration: float, gravity: float, alpha: float
+) -> FlyingBody:
     """Fly for a duration."""
     vy = body.vy - gravity * duration
     spin = body.spin + alpha * duration
@@ -77,7 +79,7 @@ def fly(body: Body, tangent: Tangent | None, duration: float, gravity: float, al
         tangent[ANGLE, ALPHA] += 0.5 * duration * duration
         tangent[SPIN, ALPHA] += duration
         _set_lapse(tangent, body.vx, vy, spin, gravity, alpha)
-    return Body(
+    return FlyingBody(
         body.x + body.vx * duration,
         body.y + body.vy * duration - 0.5 * gravity * duration * duration,
         body.angle + body.spin * duration + 0.5 * alpha * duration * duration,
@@ -90,13 +92,13 @@ def fly(body: Body, tangent: Tangent | None, duration: float, gravity: float, al
 
 @compiled
 def accelerate(
-    body: Body, tangent: Tangent | None, duration: float, gravity: float, alpha: float
-) -> Body:
+    body: FlyingBody, tangent: BodyTangent | None, duration: float, gravity: float, alpha: float
+) -> FlyingBody:
     """Change the velocity as a flight of this duration does, the pose as it is."""
     if tangent is not None:
         tangent[SPIN, ALPHA] += duration
         _set_lapse(tangent, 0.0, 0.0, 0.0, gravity, alpha)
-    return Body(
+    return FlyingBody(
         body.x,
         body.y,
         body.angle,
@@ -108,7 +110,7 @@ def accelerate(
 
 
 @compiled
-def coast(body: Body, tangent: Tangent | None, duration: float) -> Body:
+def coast(body: FlyingBody, tangent: BodyTangent | None, duration: float) -> FlyingBody:
     """Move the pose along for a duration, the velocity as it is."""
     if tangent is not None:
         _coast(tangent, duration)
@@ -117,7 +119,7 @@ def coast(body: Body, tangent: Tangent | None, duration: float) -> Body:
         tangent[X, LAPSE] += body.vx
         tangent[Y, LAPSE] += body.vy
         tangent[ANGLE, LAPSE] += body.spin
-    return Body(
+    return FlyingBody(
         body.x + duration * body.vx,
         body.y + duration * body.vy,
         body.angle + duration * body.spin,
@@ -129,7 +131,7 @@ def coast(body: Body, tangent: Tangent | None, duration: float) -> Body:
 
 
 @compiled
-def _coast(tangent: Tangent, duration: float) -> None:
+def _coast(tangent: BodyTangent, duration: float) -> None:
     for row in range(VX):
         for k in range(LAPSE):
             tangent[row, k] += duration * tangent[row + VX, k]
@@ -137,7 +139,7 @@ def _coast(tangent: Tangent, duration: float) -> None:
 
 @compiled
 def _set_lapse(
-    tangent: Tangent, vx: float, vy: float, spin: float, gravity: float, alpha: float
+    tangent: BodyTangent, vx: float, vy: float, spin: float, gravity: float, alpha: float
 ) -> None:
     """The pose changes by this velocity as the motion takes longer, the velocity by its force."""
     tangent[X, LAPSE] = vx
@@ -150,7 +152,7 @@ def _set_lapse(
 
 
 @compiled
-def end_with_time(tangent: Tangent) -> None:
+def end_with_time(tangent: BodyTangent) -> None:
     """Let the last motion end with the time that was left: dt = d time."""
     for k in range(LAPSE):
         delay = tangent[TIME, k]
@@ -159,7 +161,7 @@ def end_with_time(tangent: Tangent) -> None:
 
 
 @compiled
-def end_with_gap(tangent: Tangent, rx: float) -> None:
+def end_with_gap(tangent: BodyTangent, rx: float) -> None:
     """Let the last motion end as a point meets the ground: dt = -d gap / (d gap / d lapse)."""
     rate = tangent[Y, LAPSE] + rx * tangent[ANGLE, LAPSE]
     for k in range(LAPSE):
@@ -169,7 +171,7 @@ def end_with_gap(tangent: Tangent, rx: float) -> None:
 
 
 @compiled
-def contact_at(body: Body, rx: float, ry: float, inertia: float) -> Contact:
+def contact_at(body: FlyingBody, rx: float, ry: float, inertia: float) -> Contact:
     """The contact of a point with the ground."""
     return Contact(
         1.0 + ry * ry / inertia,
@@ -182,12 +184,17 @@ def contact_at(body: Body, rx: float, ry: float, inertia: float) -> Contact:
 
 @compiled
 def push(
-    body: Body, tangent: Tangent | None, rx: float, ry: float, inertia: float, impulse: Impulse
-) -> Body:
+    body: FlyingBody,
+    tangent: BodyTangent | None,
+    rx: float,
+    ry: float,
+    inertia: float,
+    impulse: Impulse,
+) -> FlyingBody:
     """Apply an impulse at a point."""
     if tangent is not None:
         _push(tangent, body, rx, ry, inertia, impulse)
-    return Body(
+    return FlyingBody(
         body.x,
         body.y,
         body.angle,
@@ -200,7 +207,7 @@ def push(
 
 @compiled
 def _push(
-    tangent: Tangent, body: Body, rx: float, ry: float, inertia: float, impulse: Impulse
+    tangent: BodyTangent, body: FlyingBody, rx: float, ry: float, inertia: float, impulse: Impulse
 ) -> None:
     """Push the tangent: the impulse depends on the angle, the slip and the rate at the point."""
     contact = contact_at(body, rx, ry, inertia)

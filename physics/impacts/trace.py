@@ -74,7 +74,7 @@ def branch_code(trace: Trace) -> int:
     return code
 
 
-class ContactReport(NamedTuple):
+class ImpactReport(NamedTuple):
     """The contacts of each row's step, in order; k is the most that any row has."""
 
     kind: IntArray
@@ -91,12 +91,12 @@ class ContactReport(NamedTuple):
     """[batch, k, 2], on the body: along the ground, and upwards (N s)."""
 
 
-def report_of(traces: FloatArray, step_seconds: float) -> ContactReport:
+def report_of(traces: FloatArray, step_seconds: float) -> ImpactReport:
     """The report of traces [batch, contacts, FIELDS]."""
     most = int((traces[..., 0] != 0.0).sum(axis=1).max(initial=0))
     field = dict(zip(Event._fields, np.moveaxis(traces[:, :most], -1, 0), strict=True))
     happened = field["kind"] != 0.0
-    return ContactReport(
+    return ImpactReport(
         kind=field["kind"].astype(np.int64),
         corner=np.where(happened, field["corner"], -1).astype(np.int64),
         path=field["path"].astype(np.int64),

@@ -19,7 +19,7 @@ import numpy as np
 from physics.drawing import Capsule, Drawing, disc
 from physics.environment import BoolArray, Environment, FloatArray, IntArray, Pieces, clip_sides
 from physics.kernels.compiled import compiled
-from physics.tasks.double_pendulum import LENGTH, State, advance, advance_slopes
+from physics.tasks.double_pendulum import DT, LENGTH, State, advance, advance_slopes
 
 MAX_SPEEDS = (4.0 * math.pi, 9.0 * math.pi)
 TWO_PI = 2.0 * math.pi
@@ -127,6 +127,7 @@ class Acrobot(Environment):
     action_size = 1
     horizon = 500
     max_reward = 0.0
+    step_seconds = DT
     reward_is_differentiable = False
     angles = MappingProxyType({0: 1, 1: 1})
     bounds = MappingProxyType({2 + i: (-speed, speed) for i, speed in enumerate(MAX_SPEEDS)})

@@ -98,6 +98,7 @@ class CartPole(Environment):
     action_size = 1
     horizon = 200
     max_reward = 1.0
+    step_seconds = DT
     angles = MappingProxyType({2: 1})
     step_kernel = staticmethod(step_rows)
     differentiate_kernel = staticmethod(differentiate_rows)

@@ -105,6 +105,7 @@ class CartPoleSwingUp(Environment):
     action_size = 1
     horizon = 500
     max_reward = 1.0
+    step_seconds = DT
     angles = MappingProxyType({2: 1})
     step_kernel = staticmethod(step_rows)
     differentiate_kernel = staticmethod(differentiate_rows)

@@ -152,6 +152,7 @@ class HalfCheetah(Environment):
     action_size = 4
     horizon = 200
     max_reward = 10.0
+    step_seconds = SUBSTEPS * DT
     angles = MappingProxyType({2: 1})
     hidden = (0,)
     regimes = ("free", "clipped", "sticking", "sliding", "resting", "opening", "joint limit")

@@ -72,6 +72,7 @@ class MassPoint(Environment):
     action_size = 1
     horizon = 200
     max_reward = 0.0
+    step_seconds = DT
     step_kernel = staticmethod(step_rows)
     differentiate_kernel = staticmethod(differentiate_rows)
 

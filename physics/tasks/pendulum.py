@@ -143,6 +143,7 @@ class Pendulum(Environment):
     action_size = 1
     horizon = 200
     max_reward = 0.0
+    step_seconds = DT
     angles = MappingProxyType({0: 1})
     bounds = MappingProxyType({1: (-MAX_SPEED, MAX_SPEED)})
     regimes = ("free", "clipped", "wrapped")

@@ -37,7 +37,7 @@ from physics.environment import (
     clip_sides,
 )
 from physics.impacts.die_motion import MAX_CONTACTS, QUARTER_TURN, REACH, lever, move
-from physics.impacts.flying_body import ALPHA, COLUMNS, ROWS, TIME, Body, start_tangent
+from physics.impacts.flying_body import ALPHA, COLUMNS, ROWS, TIME, FlyingBody, start_tangent
 from physics.impacts.impulse import SLIDE
 from physics.impacts.trace import (
     FIELDS,
@@ -47,7 +47,7 @@ from physics.impacts.trace import (
     LYING,
     PATH,
     SETTLED,
-    ContactReport,
+    ImpactReport,
     Trace,
     branch_code,
     report_of,
@@ -80,9 +80,9 @@ CLEARANCE = 0.8  # m from the die's centre to the edge of the view, which moves 
 
 
 @compiled
-def body_of(state: FloatArray) -> Body:
+def body_of(state: FloatArray) -> FlyingBody:
     """The die of a state [6], a whole step ahead of it."""
-    return Body(state[0], state[1], state[2], state[3], state[4], state[5], DT)
+    return FlyingBody(state[0], state[1], state[2], state[3], state[4], state[5], DT)
 
 
 @compiled
@@ -92,7 +92,7 @@ def angular_acceleration(a: float) -> float:
 
 
 @compiled
-def arrive(body: Body, next_state: FloatArray) -> bool:
+def arrive(body: FlyingBody, next_state: FloatArray) -> bool:
     """Write a moved die into a state [6]; whether all of it is finite."""
     total = 0.0
     for i in range(TIME):
@@ -223,6 +223,7 @@ class RollingDie(Environment):
     action_size = 1
     horizon = 150
     max_reward = 0.0
+    step_seconds = DT
     angles = MappingProxyType({2: 4})
     regimes = (
         "flight",
@@ -267,7 +268,7 @@ class RollingDie(Environment):
         regime[(regime == FLIGHT) & (clipped != 0)] = CLIPPED
         return Pieces(regime, np.stack([code, clipped], axis=1))
 
-    def contact_report(self, states: FloatArray, actions: FloatArray) -> ContactReport:
+    def contact_report(self, states: FloatArray, actions: FloatArray) -> ImpactReport:
         """The contacts of each row's step: where, when, and with what impulse.
 
         Raises:

@@ -3,9 +3,9 @@
     core-seconds of a cell = rate * timesteps * seeds        wall time = sum over cells / workers
 
 The rate (core-seconds a timestep) is that of the finished runs of the same algorithm and
-environment, of those with the same settings where there are any. Without finished runs it is a
-built-in figure; of an algorithm or a task that others added there is none, and the cell's cost is
-not known. Runs trained together share their worker's time, so their seconds add up.
+environment, of those with the same settings where there are any. Without finished runs it is the
+built-in figure of the algorithm's entry in the catalogue; where the entry has none of the task, the
+cell's cost is not known. Runs trained together share their worker's time, so their seconds add up.
 
 What runs have cost is their training alone (`Measurement.seconds`). A worker also evaluates them,
 which is some per cent more and for mpc as much again or twice, and loads kernels, seconds once; the
@@ -18,6 +18,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from algorithms import catalogue
 from workers.messages.run_spec import RunSpec
 
 Basis = Literal["same settings", "same algorithm and environment", "built-in figures", "unknown"]
@@ -28,46 +29,6 @@ BASIS_TEXT: Mapping[Basis, str] = {
     "built-in figures": "from built-in figures, good to a factor of two or so",
     "unknown": "are of unknown cost and left out: no run like theirs has finished",
 }
-
-# Core-seconds of 1000 timesteps under the presets (w1 = 1 where a hybrid has none): process time,
-# evaluation included, between timesteps 1,200 and 2,800 of one run, of gd up to 12,000 and of mpc
-# up to 60,000, on one thread of a shared AMD EPYC core in November 2026. Good to a factor of two or
-# so elsewhere; the first finished runs replace them. What ends before its timesteps, as gd on a
-# plateau and mpc with its episode, costs less than they say.
-SECONDS_PER_1000: Mapping[str, Mapping[str, float]] = {
-    "MassPoint": {
-        "ddpg": 0.11, "hybrid-ddpg": 0.12, "hybrid-ddpg-cosine": 0.14,
-        "sac": 0.22, "hybrid-sac": 0.30, "gd": 0.034, "mpc": 0.0015,
-    },
-    "Pendulum": {
-        "ddpg": 0.08, "hybrid-ddpg": 0.13, "hybrid-ddpg-cosine": 0.14,
-        "sac": 0.21, "hybrid-sac": 0.31, "gd": 0.035, "mpc": 0.0058,
-    },
-    "CartPole": {
-        "ddpg": 0.09, "hybrid-ddpg": 0.15, "hybrid-ddpg-cosine": 0.16,
-        "sac": 0.22, "hybrid-sac": 0.31, "gd": 0.035, "mpc": 0.0034,
-    },
-    "CartPoleSwingUp": {
-        "ddpg": 0.10, "hybrid-ddpg": 0.14, "hybrid-ddpg-cosine": 0.13,
-        "sac": 0.22, "hybrid-sac": 0.31, "gd": 0.039, "mpc": 0.0019,
-    },
-    "MountainCar": {
-        "ddpg": 0.10, "hybrid-ddpg": 0.13, "hybrid-ddpg-cosine": 0.13,
-        "sac": 0.21, "hybrid-sac": 0.31, "gd": 0.036, "mpc": 0.0026,
-    },
-    "Acrobot": {
-        "ddpg": 0.10, "hybrid-ddpg": 0.21, "hybrid-ddpg-cosine": 0.14,
-        "sac": 0.22, "hybrid-sac": 0.33,
-    },
-    "RollingDie": {
-        "ddpg": 0.08, "hybrid-ddpg": 0.18, "hybrid-ddpg-cosine": 0.13,
-        "sac": 0.22, "hybrid-sac": 0.32, "gd": 0.040, "mpc": 0.0023,
-    },
-    "HalfCheetah": {
-        "ddpg": 0.11, "hybrid-ddpg": 0.18, "hybrid-ddpg-cosine": 0.18,
-        "sac": 0.25, "hybrid-sac": 0.38, "gd": 0.057, "mpc": 0.0100,
-    },
-}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -122,9 +83,10 @@ def _cell_cost(cell: RunSpec, seeds: int, past: Sequence[PastCost]) -> CellCost:
         return CellCost(_rate(same) * steps, "same settings", len(same))
     if alike:
         return CellCost(_rate(alike) * steps, "same algorithm and environment", len(alike))
-    built_in = SECONDS_PER_1000.get(cell.environment, {}).get(cell.algorithm)
-    if built_in is not None:
-        return CellCost(built_in / 1000 * steps, "built-in figures", 0)
+    algorithm = catalogue.known(cell.algorithm)
+    figure = algorithm.core_seconds.get(cell.environment) if algorithm else None
+    if figure is not None:
+        return CellCost(figure / 1000 * steps, "built-in figures", 0)
     return CellCost(math.nan, "unknown", 0)
 
 

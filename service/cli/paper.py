@@ -74,9 +74,9 @@ def tune(output: Output = Path("results")) -> None:
         rows += search(
             client,
             [
-                tuning.settings_sweep(task, baseline, rows)
-                for baseline in tuning.SETTINGS
-                for task in tuning.tasks(baseline)
+                tuning.settings_sweep(task, algorithm, rows)
+                for algorithm in tuning.SETTINGS
+                for task in tuning.tasks(algorithm)
             ],
             rows,
             output,
@@ -84,8 +84,10 @@ def tune(output: Output = Path("results")) -> None:
         rows += search(
             client,
             [
-                tuning.weights_sweep(task, hybrid, tuning.best(rows, task, baseline).config, rows)
-                for hybrid, baseline in tuning.HYBRIDS.items()
+                tuning.weights_sweep(
+                    task, hybrid, tuning.best(rows, task, tuning.baseline(hybrid)).config, rows
+                )
+                for hybrid in tuning.PAIRS
                 for task in tuning.tasks(hybrid)
             ],
             rows,

@@ -18,8 +18,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from algorithms import catalogue
 from service.analysis.curves import Floats
-from service.analysis.statistics.paired_difference import BASELINES, area_gained
+from service.analysis.statistics.paired_difference import area_gained
 from service.analysis.statistics.stratified_bootstrap import Estimate, draw_counts, estimate
 
 Columns = Mapping[str, Floats]
@@ -61,7 +62,7 @@ def gains(runs: Sequence[MeasuredRun], units: Mapping[str, float]) -> Iterator[G
     for run in runs:
         cells.setdefault((run.environment, run.algorithm, run.weights), []).append(run)
     for (environment, algorithm, weights), ours in cells.items():
-        baseline = BASELINES.get(algorithm, "")
+        baseline = catalogue.baseline(algorithm)
         theirs = {run.seed: run for run in cells.get((environment, baseline, (0.0, 0.0)), ())}
         pairs = [(run, theirs[run.seed]) for run in ours if run.seed in theirs]
         for cost, of in COSTS.items() if pairs else ():

@@ -22,6 +22,7 @@ from typing import Any
 
 import numpy as np
 
+from algorithms import catalogue
 from service.analysis.statistics.score import final_score
 from service.api.schemas.curves_answer import CurveAnswer, CurvesAnswer
 
@@ -49,9 +50,6 @@ SETTINGS: Mapping[str, Mapping[str, tuple[Any, ...]]] = {
 FIXED: Mapping[str, Mapping[str, Any]] = {"HalfCheetah": {"cycle_updates": 100}}
 """Settings of all DDPG runs in a task, found by hand."""
 
-HYBRIDS = {"hybrid-ddpg": "ddpg", "hybrid-sac": "sac", "hybrid-ddpg-cosine": "ddpg"}
-"""What each hybrid extends; in the order of their searches."""
-
 SIZES = (1.0, 0.1, 0.01)
 ALONE = [*((w, 0.0) for w in SIZES), *((0.0, w) for w in SIZES)]
 PAIRS: Mapping[str, Sequence[tuple[float, float]]] = {
@@ -59,6 +57,7 @@ PAIRS: Mapping[str, Sequence[tuple[float, float]]] = {
     "hybrid-sac": [*((w, w) for w in SIZES), *ALONE],
     "hybrid-ddpg-cosine": [*((w, w) for w in SIZES), *ALONE],
 }
+"""The weights searched of each hybrid, in the order of the searches."""
 
 
 @dataclass(frozen=True)
@@ -82,9 +81,14 @@ class Outcome:
     sweep: str
 
 
+def baseline(algorithm: str) -> str:
+    """The algorithm whose settings it takes: what it extends, or itself."""
+    return catalogue.baseline(algorithm) or algorithm
+
+
 def tasks(algorithm: str) -> list[str]:
     """The tasks in which an algorithm, or what it extends, is tuned."""
-    return SOFT_TASKS if HYBRIDS.get(algorithm, algorithm) == "sac" else list(TIMESTEPS)
+    return SOFT_TASKS if baseline(algorithm) == "sac" else list(TIMESTEPS)
 
 
 def settings_sweep(
@@ -192,8 +196,8 @@ def _decided(curve: CurveAnswer) -> int:
 
 def _searched(environment: str, algorithm: str, config: Mapping[str, Any]) -> dict[str, Any]:
     """The settings that round 1 gave to its runs; the others are the algorithm's defaults."""
-    baseline = HYBRIDS.get(algorithm, algorithm)
-    return {name: config[name] for name in (*SETTINGS[baseline], *_fixed(environment, baseline))}
+    searched = baseline(algorithm)
+    return {name: config[name] for name in (*SETTINGS[searched], *_fixed(environment, searched))}
 
 
 def best(rows: Iterable[Outcome], environment: str, algorithm: str) -> Outcome:

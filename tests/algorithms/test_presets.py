@@ -9,23 +9,24 @@ import pytest
 
 import algorithms
 import physics
+from algorithms import catalogue
 from algorithms.measurement import Measurement
-from algorithms.presets import HYBRIDS, completed, preset
+from algorithms.presets import WEIGHTS, completed, preset
 from tests.algorithms.other_rewards import times
 
 TASKS = [*physics.names(), "OnesOwn"]
 
 
 @pytest.mark.parametrize("task", TASKS)
-@pytest.mark.parametrize("hybrid", HYBRIDS)
+@pytest.mark.parametrize("hybrid", WEIGHTS)
 def test_a_hybrid_matches_on_every_task_with_its_baselines_settings(hybrid: str, task: str) -> None:
-    chosen, baseline = preset(hybrid, task), preset(HYBRIDS[hybrid].baseline, task)
+    chosen, baseline = preset(hybrid, task), preset(catalogue.baseline(hybrid), task)
     assert max(chosen.weights) > 0
     assert min(chosen.weights) >= 0
     assert (chosen.timesteps, chosen.config) == (baseline.timesteps, baseline.config)
 
 
-@pytest.mark.parametrize("hybrid", HYBRIDS)
+@pytest.mark.parametrize("hybrid", WEIGHTS)
 def test_a_hybrid_on_ones_own_task_is_not_its_baseline(
     hybrid: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -34,9 +35,17 @@ def test_a_hybrid_on_ones_own_task_is_not_its_baseline(
     monkeypatch.setattr("physics.make", lambda _: task)
     curves = [
         [m.return_mean for m in algorithms.train(name, "OnesOwn", [0], timesteps=1_600)]
-        for name in (hybrid, HYBRIDS[hybrid].baseline)
+        for name in (hybrid, catalogue.baseline(hybrid))
     ]
     assert curves[0] != curves[1]
+
+
+def test_exactly_what_extends_another_algorithm_has_weights() -> None:
+    extending = {name for name, algorithm in catalogue.OWN.items() if algorithm.extends}
+    assert extending == set(WEIGHTS)
+    assert all(catalogue.find(name).uses_weights for name in extending)
+    assert not any(catalogue.find(catalogue.baseline(name)).uses_weights for name in extending)
+    assert catalogue.baseline("ddpg") == catalogue.baseline("no longer installed") == ""
 
 
 def test_whoever_asks_for_no_weights_is_told_that_this_is_the_baseline() -> None:

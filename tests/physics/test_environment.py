@@ -13,6 +13,16 @@ from physics.environment import Environment, FloatArray
 from physics.randomness import generator
 
 BATCH = 64
+STEP_SECONDS = {
+    "MassPoint": 0.01,
+    "CartPole": 0.02,
+    "CartPoleSwingUp": 0.02,
+    "Pendulum": 0.05,
+    "MountainCar": 1 / 30,
+    "Acrobot": 0.2,
+    "RollingDie": 0.02,
+    "HalfCheetah": 0.05,
+}
 
 pytestmark = pytest.mark.parametrize("environment", physics.names(), indirect=True)
 
@@ -36,6 +46,7 @@ def test_the_task_declares_itself(environment: Environment) -> None:
     assert environment.version >= 1
     assert environment.horizon >= 1
     assert np.isfinite(environment.max_reward)
+    assert environment.step_seconds == STEP_SECONDS[environment.name]
     assert len(set(environment.regimes)) == len(environment.regimes) > 0
     assert all(0 <= i < environment.state_size for i in environment.angles)
     assert all(0 <= i < environment.state_size for i in environment.hidden)

@@ -22,9 +22,9 @@ from workers.messages.report import Capacity, to_line
 
 LOOK_SECONDS = 2.0
 """Between two looks at the cluster's nodes."""
-OUTAGE_SECONDS = 900.0
+NO_SERVICE_SECONDS = 900.0
 """How long workers train on while no service is there; then their checkpoints have to do."""
-IDLE_OUTAGE_SECONDS = 30.0
+IDLE_NO_SERVICE_SECONDS = 30.0
 IDLE_SECONDS = 300.0
 """How long a worker that nothing is there for is kept warm; bringing one up takes a few seconds."""
 
@@ -175,7 +175,7 @@ class ActorPool:
             try:
                 channel, _ = listener.accept()
             except TimeoutError:
-                patience = OUTAGE_SECONDS if self._outbox.is_busy else IDLE_OUTAGE_SECONDS
+                patience = NO_SERVICE_SECONDS if self._outbox.is_busy else IDLE_NO_SERVICE_SECONDS
                 if time.monotonic() - begun > patience:
                     return None
             else:

@@ -19,18 +19,6 @@ from workers.policies.start_error import StartError
 
 FloatArray = NDArray[np.float64]
 
-STEP_SECONDS = {
-    "MassPoint": 0.01,
-    "CartPole": 0.02,
-    "CartPoleSwingUp": 0.02,
-    "Pendulum": 0.05,
-    "MountainCar": 1 / 30,  # the task knows no seconds: at Gymnasium's frames a second
-    "Acrobot": 0.2,
-    "RollingDie": 0.02,
-    "HalfCheetah": 0.05,
-}
-OTHER_STEP_SECONDS = 1 / 30
-
 
 def rollout(
     checkpoints: Place, run_id: str, spec: RunSpec, start: list[float] | int
@@ -57,7 +45,7 @@ def rollout(
     return {
         "environment": spec.environment,
         "timestep": snapshot.timestep,
-        "dt": STEP_SECONDS.get(spec.environment, OTHER_STEP_SECONDS),
+        "dt": task.step_seconds,
         "states": episode.states.tolist(),
         "actions": episode.actions.tolist(),
         "rewards": episode.rewards.tolist(),

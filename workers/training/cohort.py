@@ -24,9 +24,9 @@ from workers.messages.progress import Activity, CheckpointAttempt, Progress, Res
 from workers.messages.random_return import RandomReturn
 from workers.training.cadence import Cadence
 
-PATIENCE_SECONDS = 12.0
+UNCOLLECTED_SECONDS = 12.0
 """A worker whose news nobody collected for so long stops, before its lease of 15 s has ended."""
-OUTAGE_SECONDS = 60.0
+NO_ANSWER_SECONDS = 60.0
 """So long a worker asks a place that does not answer, for checkpoints or to leave there what was
 learned at the end; then it begins anew, or tells that it could not."""
 AGAIN_SECONDS = 2.0
@@ -171,7 +171,7 @@ class Cohort:
         cadence = Cadence()
         while not learner.finished and not self._stopped.is_set():
             if self._is_abandoned():
-                raise AbandonedError(f"nobody collected the news for {PATIENCE_SECONDS} s")
+                raise AbandonedError(f"nobody collected the news for {UNCOLLECTED_SECONDS} s")
             self._drop(learner)
             self._cycle(learner)
             if cadence.is_due and not learner.finished:
@@ -224,12 +224,12 @@ class Cohort:
 
     def _patience(self) -> Patience:
         """As much as there is, from now on."""
-        given_up_at = time.monotonic() + OUTAGE_SECONDS
+        given_up_at = time.monotonic() + NO_ANSWER_SECONDS
         return lambda: not self._stopped.wait(AGAIN_SECONDS) and time.monotonic() < given_up_at
 
     def _is_abandoned(self) -> bool:
         with self._lock:
-            return time.monotonic() - self._collected_at > PATIENCE_SECONDS
+            return time.monotonic() - self._collected_at > UNCOLLECTED_SECONDS
 
     def _drop(self, learner: Learner) -> None:
         leaving = sorted(set(self._dropped()) & {*learner.seeds, *self._waiting})

@@ -57,7 +57,7 @@ class Critic(NamedTuple):
     surface: Surface | None
 
 
-class Learner(NamedTuple):
+class LearnedCritics(NamedTuple):
     """The critics of a learner's first run, one for each column."""
 
     label: str
@@ -78,7 +78,7 @@ def draw(title: str, rows: Sequence[Comparison], form: Form, checkpoints: Place)
     return picture(lambda: _figure(title, returns, learners), form)
 
 
-def _learner(one: LabelledCurve, checkpoints: Place) -> Learner:
+def _learner(one: LabelledCurve, checkpoints: Place) -> LearnedCritics:
     """Read what the curve's first run has learned."""
     first = min(one.seeds, key=lambda seed: seed.seed)
     task, gamma = physics.make(SURFACE_TASK), discount_of(one.spec)
@@ -92,10 +92,10 @@ def _learner(one: LabelledCurve, checkpoints: Place) -> Learner:
         Critic(epoch, critic_surface(task, found[epoch], gamma) if epoch in found else None)
         for epoch in (*early, last)
     ]
-    return Learner(one.label, first.seed, critics, best_surface(task, gamma))
+    return LearnedCritics(one.label, first.seed, critics, best_surface(task, gamma))
 
 
-def _figure(title: str, returns: Comparison, learners: Sequence[Learner]) -> Figure:
+def _figure(title: str, returns: Comparison, learners: Sequence[LearnedCritics]) -> Figure:
     height = ROW_INCHES * (len(learners) + 1) + CAPTION_INCHES
     figure = Figure(figsize=(WIDTH_INCHES, height), layout="constrained")
     grid = figure.add_gridspec(len(learners) + 1, len(EPOCHS) + 1)
@@ -153,7 +153,7 @@ def _draw_surface(ax: Axes, values: FloatArray, scale: Normalize) -> AxesImage:
     return image
 
 
-def _draw_slopes(ax: Axes, learner: Learner) -> None:
+def _draw_slopes(ax: Axes, learner: LearnedCritics) -> None:
     """The slope of each epoch's critic and of the truth, along a = 0."""
     middle = len(ACTIONS) // 2
     for critic, colour in zip(learner.critics, SLOPE_COLOURS, strict=True):

@@ -44,7 +44,7 @@ class Thrown(NamedTuple):
     bounces: FloatArray
 
 
-class Learner(NamedTuple):
+class LearnedThrows(NamedTuple):
     """A learner's best run: of which seed, what it reached, its episodes from `STARTS`.
 
     No seed while no run has reached its end, no episodes where its policy is not there.
@@ -73,11 +73,11 @@ def bounces(touching: Sequence[int]) -> list[int]:
     return [*touching[:1], *(step for before, step in pairwise(touching) if step - before > apart)]
 
 
-def _best(one: LabelledCurve, checkpoints: Place) -> Learner:
+def _best(one: LabelledCurve, checkpoints: Place) -> LearnedThrows:
     """Play what the best run of a curve has learned."""
     finished = [seed for seed in one.seeds if seed.status is RunStatus.SUCCEEDED]
     if not finished:
-        return Learner(one.label, None, -np.inf, [])
+        return LearnedThrows(one.label, None, -np.inf, [])
     best = max(finished, key=lambda seed: (_last_finite(seed.values), -seed.seed))
     task, snapshot = physics.make(DIE_TASK), find_snapshot(checkpoints, best.run_id)
     episodes = (
@@ -86,7 +86,7 @@ def _best(one: LabelledCurve, checkpoints: Place) -> Learner:
         else [play(task, snapshot.policies(), start) for start in task.initial_states(STARTS)]
     )
     thrown = [_thrown(task, episode) for episode in episodes]
-    return Learner(one.label, best.seed, _last_finite(best.values), thrown)
+    return LearnedThrows(one.label, best.seed, _last_finite(best.values), thrown)
 
 
 def _thrown(task: Environment, episode: Episode) -> Thrown:
@@ -100,7 +100,7 @@ def _last_finite(values: FloatArray) -> float:
     return float(finite[-1]) if len(finite) else -np.inf
 
 
-def _figure(title: str, learners: Sequence[Learner]) -> Figure:
+def _figure(title: str, learners: Sequence[LearnedThrows]) -> Figure:
     size = COLUMN_INCHES * len(STARTS), ROW_INCHES * len(learners) + CAPTION_INCHES
     figure = Figure(figsize=size, layout="constrained")
     axes = figure.subplots(len(learners), len(STARTS), sharex=True, sharey=True, squeeze=False)
@@ -142,7 +142,7 @@ def _corners(state: FloatArray) -> Sequence[tuple[float, float]]:
     return box((x, y), SIDE, SIDE, "body", theta).points
 
 
-def _caption(learners: Sequence[Learner]) -> str:
+def _caption(learners: Sequence[LearnedThrows]) -> str:
     best = ", ".join(
         f"{learner.label} {learner.history:.4g}"
         for learner in learners

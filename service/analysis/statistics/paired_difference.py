@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from algorithms.presets import HYBRIDS
+from algorithms import catalogue
 from service.analysis.comparison import grouped, scale
 from service.analysis.curves import Floats
 from service.analysis.statistics.sample import Sample, sample
@@ -25,8 +25,6 @@ from service.model.entry import Entries
 from service.model.run import RunStatus
 from service.model.run_curve import RunCurve
 from workers.messages.random_return import RandomReturn
-
-BASELINES = {name: hybrid.baseline for name, hybrid in HYBRIDS.items()}
 
 
 @dataclass(frozen=True)
@@ -58,8 +56,8 @@ def paired_differences(
     for (environment, label), runs in cells.items():
         zero = random_returns.get((environment, runs[0].environment_version))
         _, unit = scale(zero, best_return(environment))
+        extended = catalogue.baseline(runs[0].spec.algorithm)
         for (other_environment, baseline), its_runs in cells.items():
-            extended = BASELINES.get(runs[0].spec.algorithm)
             if (other_environment, its_runs[0].spec.algorithm) == (environment, extended):
                 gained = _differences(runs, its_runs) / unit
                 counted = gained[np.isfinite(gained)]

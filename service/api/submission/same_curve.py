@@ -10,7 +10,6 @@ from dataclasses import asdict, fields
 from typing import Any, NamedTuple
 
 from algorithms import catalogue
-from service.analysis.statistics.paired_difference import BASELINES
 from service.api.problems import Fault
 from service.model.entry import Entry, setting_text
 from workers.messages.run_spec import RunSpec
@@ -78,7 +77,7 @@ def _hashable(value: Any) -> Hashable:
 def _without_gradient(curve: _Curve) -> _Curve:
     if curve.weights != NO_GRADIENT:
         return curve
-    return curve._replace(algorithm=BASELINES.get(curve.algorithm, curve.algorithm))
+    return curve._replace(algorithm=catalogue.baseline(curve.algorithm) or curve.algorithm)
 
 
 def _repetition(found: Sequence[tuple[RunSpec, Entry, Entry]]) -> Fault:
@@ -104,7 +103,7 @@ def _described(spec: RunSpec, stated: Iterable[str]) -> str:
 
 
 def _notice(field: str, algorithm: str, others: Sequence[str], environments: Sequence[str]) -> str:
-    baseline = BASELINES.get(algorithm, "the algorithm that it extends")
+    baseline = catalogue.baseline(algorithm) or "the algorithm that it extends"
     repeats = f" It repeats {' and '.join(others)}." if others else ""
     return (
         f"{field} ({algorithm}) has the weights (0, 0) in {' and '.join(environments)}: without "

@@ -12,8 +12,8 @@ from physics.impacts.flying_body import (
     ROWS,
     TIME,
     VY,
-    Body,
-    Tangent,
+    BodyTangent,
+    FlyingBody,
     Y,
     accelerate,
     coast,
@@ -29,11 +29,11 @@ from physics.impacts.impulse import routh_impulse
 G = 9.81
 
 
-def ball(y: float, vy: float, restitution: float, seconds: float) -> tuple[Body, Tangent]:
+def ball(y: float, vy: float, restitution: float, seconds: float) -> tuple[FlyingBody, BodyTangent]:
     """A ball, a body whose one point lies at its centre, through its first bounce."""
     tangent = np.empty((ROWS, COLUMNS))
     start_tangent(tangent)
-    body = Body(0.0, y, 0.0, 0.0, vy, 0.0, seconds)
+    body = FlyingBody(0.0, y, 0.0, 0.0, vy, 0.0, seconds)
     moment = (vy + np.sqrt(vy**2 + 2 * G * y)) / G
     body = fly(body, tangent, moment, G, 0.0)
     end_with_gap(tangent, 0.0)
@@ -59,30 +59,34 @@ def test_a_bouncing_ball_has_the_saltation_matrix() -> None:
     assert body.vy == pytest.approx(-e * speed - G * (seconds - moment))
 
 
-def glide(body: Body, tangent: Tangent | None, duration: float, alpha: float) -> Body:
+def glide(
+    body: FlyingBody, tangent: BodyTangent | None, duration: float, alpha: float
+) -> FlyingBody:
     return coast(accelerate(body, tangent, duration, G, alpha), tangent, duration)
 
 
-def flight(body: Body, tangent: Tangent | None, duration: float, alpha: float) -> Body:
+def flight(
+    body: FlyingBody, tangent: BodyTangent | None, duration: float, alpha: float
+) -> FlyingBody:
     return fly(body, tangent, duration, G, alpha)
 
 
 @pytest.mark.parametrize("motion", [flight, glide])
 def test_a_motion_in_all_the_time_that_is_left(
-    motion: Callable[[Body, Tangent | None, float, float], Body],
+    motion: Callable[[FlyingBody, BodyTangent | None, float, float], FlyingBody],
 ) -> None:
     """All columns at once, the time itself being the input that no state has."""
     start = np.array([0.3, 2.0, 0.4, 1.5, -0.7, 3.0, 0.13])
     alpha = -2.5
 
     def end(inputs: FloatArray, acceleration: float) -> FloatArray:
-        body = Body(*inputs.tolist())
+        body = FlyingBody(*inputs.tolist())
         return np.array(motion(body, None, body.time, acceleration))
 
     tangent = np.empty((ROWS, COLUMNS))
     start_tangent(tangent)
     tangent[TIME, Y] = 0.6  # as if the time left had come from an earlier touch
-    motion(Body(*start.tolist()), tangent, float(start[TIME]), alpha)
+    motion(FlyingBody(*start.tolist()), tangent, float(start[TIME]), alpha)
     end_with_time(tangent)
     h = 1e-6
     for k in range(ALPHA):

@@ -8,7 +8,7 @@ import pytest
 import physics
 from physics.environment import FloatArray
 from physics.impacts import die_motion
-from physics.impacts.flying_body import Body
+from physics.impacts.flying_body import FlyingBody
 from physics.impacts.impulse import PATHS
 from physics.impacts.trace import FIELDS, KIND
 from physics.randomness import generator
@@ -145,7 +145,7 @@ def test_a_slow_touch_settles_and_a_faster_one_bounces(environment: RollingDie) 
 def test_after_its_last_touch_it_keeps_its_state(monkeypatch: pytest.MonkeyPatch) -> None:
     """Rule 6, in the kernel's own Python code: 64 touches happen nowhere, so it is given one."""
     kernel = die_motion.move.py_func  # type: ignore[attr-defined]
-    die = Body(0.0, 0.501, 0.0, 1.0, -1.0, 0.0, 0.02)
+    die = FlyingBody(0.0, 0.501, 0.0, 1.0, -1.0, 0.0, 0.02)
     trace = np.zeros((die_motion.MAX_CONTACTS, FIELDS))
     whole = kernel(die, None, trace, 0.0)
     assert whole == die_motion.move(die, None, None, 0.0)

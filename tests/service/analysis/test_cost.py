@@ -7,7 +7,6 @@ import pytest
 import physics
 from algorithms import catalogue
 from service.analysis.cost import (
-    SECONDS_PER_1000,
     CellCost,
     PastCost,
     cell_costs,
@@ -44,7 +43,7 @@ def test_else_those_of_the_same_algorithm_and_environment() -> None:
 
 def test_else_a_built_in_figure() -> None:
     found = cost(DDPG)
-    assert found.core_seconds == pytest.approx(20 * SECONDS_PER_1000["Pendulum"]["ddpg"])
+    assert found.core_seconds == pytest.approx(20 * catalogue.find("ddpg").core_seconds["Pendulum"])
     assert (found.basis, found.runs) == ("built-in figures", 0)
 
 
@@ -56,9 +55,13 @@ def test_built_in_figures_cover_all_that_can_be_trained() -> None:
         if physics.make(task).reward_is_differentiable
         or not catalogue.find(algorithm).needs_reward_gradient
     }
-    known = {(task, algorithm) for task, row in SECONDS_PER_1000.items() for algorithm in row}
-    assert known == able
-    assert all(value > 0 for row in SECONDS_PER_1000.values() for value in row.values())
+    figures = {
+        (task, algorithm): value
+        for algorithm in catalogue.names()
+        for task, value in catalogue.find(algorithm).core_seconds.items()
+    }
+    assert set(figures) == able
+    assert all(value > 0 for value in figures.values())
 
 
 def test_an_algorithm_of_others_is_not_known() -> None:

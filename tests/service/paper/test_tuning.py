@@ -33,10 +33,10 @@ def requested(request: dict[str, Any] | None) -> SweepRequest:
 
 @pytest.mark.parametrize(
     ("hybrid", "environment"),
-    [(hybrid, task) for hybrid in tuning.HYBRIDS for task in tuning.tasks(hybrid)],
+    [(hybrid, task) for hybrid in tuning.PAIRS for task in tuning.tasks(hybrid)],
 )
 def test_a_search_can_be_submitted(hybrid: str, environment: str) -> None:
-    baseline = tuning.HYBRIDS[hybrid]
+    baseline = tuning.baseline(hybrid)
     request = tuning.settings_sweep(environment, baseline)
     settings = plan(requested(request))
     assert all(set(tuning.SETTINGS[baseline]) <= set(cell.config) for cell in settings.cells)
@@ -62,7 +62,7 @@ def test_what_is_known_is_not_run_again() -> None:
     assert tuning.weights_sweep("Pendulum", "hybrid-sac", {"reward_scale": 3.0}, everything) is None
 
 
-@pytest.mark.parametrize("algorithm", [*tuning.SETTINGS, *tuning.HYBRIDS])
+@pytest.mark.parametrize("algorithm", [*tuning.SETTINGS, *tuning.PAIRS])
 def test_the_presets_are_what_the_recorded_search_found_best(algorithm: str) -> None:
     rows = read_tuning(RESULTS)
     searched = {row.environment for row in rows if row.algorithm == algorithm}

@@ -8,7 +8,7 @@ from workers.checkpoints import sealed_file
 from workers.checkpoints.checkpoint_folder import POLICY
 from workers.checkpoints.place import Place, folder_in
 from workers.messages.run_spec import RunSpec
-from workers.policies.rollout import STEP_SECONDS, rollout
+from workers.policies.rollout import rollout
 from workers.policies.start_error import StartError
 
 RUN = "0123456789ab-0"
@@ -44,7 +44,3 @@ def test_a_start_of_another_size_is_refused(place: Place) -> None:
     write_policy(place, RUN, "MassPoint")
     with pytest.raises(StartError, match="has 1 numbers, got 2"):
         rollout(place, RUN, RunSpec("ddpg", "MassPoint", 0), [0.0, 0.0])
-
-
-def test_every_task_has_its_pace() -> None:
-    assert set(STEP_SECONDS) == set(physics.names())

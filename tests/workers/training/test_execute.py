@@ -226,7 +226,7 @@ def test_stops_training_when_its_stream_is_closed() -> None:
 
 
 def test_stops_itself_when_nobody_listens(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cohort, "PATIENCE_SECONDS", 0.2)
+    monkeypatch.setattr(cohort, "UNCOLLECTED_SECONDS", 0.2)
     abandoned = threading.Event()
     endless = [RunSpec("fake", "Pendulum", 0, timesteps=10**9)]
     stream = execute(
@@ -346,7 +346,7 @@ def test_what_was_learned_by_the_end_is_left_where_its_place_answers_late(
     [said] = attempts_of(tmp_path, [])
     assert not any(c.problem for p in said for c in p.checkpoints)
     assert all(find_snapshot(tmp_path, f"run-{spec.seed}") for spec in SPECS)
-    monkeypatch.setattr(cohort, "OUTAGE_SECONDS", 0.0)
+    monkeypatch.setattr(cohort, "NO_ANSWER_SECONDS", 0.0)
     silences[0] = 10**9
     [said] = attempts_of(tmp_path, [])
     assert {c.problem for p in said for c in p.checkpoints} == {

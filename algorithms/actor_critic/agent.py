@@ -1,0 +1,246 @@
+"""Agent: one off-policy run, which is a replay, statistics of what was seen, and an actor-critic.
+
+An actor-critic has three parts that an agent knows nothing of: its networks, their update and how
+they explore. Rewards, Q and its unit are in the actor-critic's own scale, c times the task's; what
+an agent reports is in the task's.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from algorithms.early_end import NotFiniteQuantityError
+from algorithms.experience.replay import Memory, Replay, check_finite, empty_memory
+from algorithms.experience.rollout import Experience
+from algorithms.matching.diagnostics import UpdateMeans, agreement, with_derivatives
+from algorithms.networks import network
+from algorithms.networks.layer import Array
+from algorithms.networks.network import Shape
+from algorithms.networks.optimizer import Learned
+from algorithms.networks.policy import Policy, deterministic
+from algorithms.networks.scaling import Coordinates, Scaling, Statistics
+from algorithms.networks.value_scale import UnitChange, move_value_scale
+from algorithms.snapshot import Critic, Snapshot
+from algorithms.state import State, part, within
+from physics.environment import Environment
+from physics.randomness import generator
+
+
+class Settings(Protocol):
+    """The settings that every off-policy learner has (algorithms.settings)."""
+
+    @property
+    def hidden_units(self) -> int:
+        """Units of each hidden layer."""
+
+    @property
+    def batch_size(self) -> int:
+        """Transitions an update."""
+
+    @property
+    def rollout_steps(self) -> int:
+        """Environment steps a cycle."""
+
+    @property
+    def cycle_updates(self) -> int:
+        """Updates a cycle."""
+
+    @property
+    def replay_size(self) -> int:
+        """Transitions remembered."""
+
+
+class Cycle(NamedTuple):
+    """What a cycle of updates is given."""
+
+    done: int
+    """Updates done before it."""
+    replay: Replay
+    indices: NDArray[np.int64]
+    """[U, B], the transitions of each update's batch."""
+    draws: np.random.Generator
+    """For more random numbers."""
+    scaling: Scaling
+
+
+class ActorCritic(Protocol):
+    """The networks of one run, how they are updated and how they explore.
+
+    Attributes:
+        means: fields of an update's report, arrays [U], that are reported as means.
+        quantities: what an update looks at to see whether the run diverges.
+        reward_scale: c, the factor of the task's rewards.
+        actor, critic: the networks; of several critics the first.
+        actor_shape: the actor's sizes.
+    """
+
+    means: Sequence[str]
+    quantities: Sequence[str]
+    reward_scale: float
+    actor: Learned
+    critic: Learned
+    actor_shape: Shape
+
+    def explorer(self, policy: Policy) -> Policy:
+        """The policy that explores about the deterministic one, drawn anew at each call."""
+
+    def update(self, cycle: Cycle) -> tuple[int, int, Any]:
+        """Update all networks on each of the batches.
+
+        Returns:
+            How many updates were done, -1 or the index in `quantities` of what is not finite, and
+            the report; that also has the targets' `target_mean` and `target_square`, arrays [U].
+        """
+
+    def change_unit(self, change: UnitChange) -> None:
+        """Leave Q what it is in another unit."""
+
+    def gradient_pair(self, memory: Memory, scaling: Scaling) -> tuple[Array, Array]:
+        """The critic's gradient [B, C + m] and its target, at every transition of a memory."""
+
+    def diagnostics(self) -> dict[str, float]:
+        """Further numbers by name."""
+
+    def state(self) -> State:
+        """All that its next bits depend on."""
+
+    def restore(self, state: State) -> None:
+        """Take up what `state` gave."""
+
+
+class Agent:
+    """One run's learner.
+
+    Its calls raise NotFiniteQuantityError where a quantity stops being finite.
+
+    Attributes:
+        seed: of the run.
+        updates: how many were done.
+        jacobians: of transitions, how many were worked out.
+        replay: what it has lived through.
+    """
+
+    def __init__(
+        self,
+        environment: Environment,
+        coordinates: Coordinates,
+        seed: int,
+        actor_critic: ActorCritic,
+        timesteps: int,
+        config: Settings,
+        *,
+        linearized: bool,
+    ) -> None:
+        """Begin with an empty replay.
+
+        Args:
+            environment: the task.
+            coordinates: of its features.
+            seed: of the run.
+            actor_critic: its networks, about to be trained.
+            timesteps: of the whole run, which bounds its replay.
+            config: the settings.
+            linearized: whether transitions come with their derivatives.
+        """
+        self.seed = seed
+        self.updates = 0
+        self.jacobians = 0
+        self._environment = environment
+        self._coordinates = coordinates
+        self._config = config
+        self._linearized = linearized
+        self._actor_critic = actor_critic
+        self._statistics = Statistics(coordinates, environment.action_size)
+        capacity = min(config.replay_size, timesteps)
+        memory = empty_memory(capacity, environment, coordinates, linearized=linearized)
+        self.replay = Replay(memory, environment.state_size)
+        self._means = UpdateMeans(actor_critic.means)
+
+    @property
+    def actor_shape(self) -> Shape:
+        """The sizes of the network that its policies are made of."""
+        return self._actor_critic.actor_shape
+
+    def policy(self) -> Policy:
+        """The deterministic policy learned so far."""
+        scaling, theta = self._statistics.scaling(), self._actor_critic.actor.theta
+        return deterministic(theta, scaling.mean, scaling.inverse, self._environment.action_size)
+
+    def exploring_policy(self) -> Policy:
+        """A policy to explore with, drawn anew at each call."""
+        return self._actor_critic.explorer(self.policy())
+
+    def remember(self, experience: Experience) -> None:
+        """Store the transitions and take in their features and rewards."""
+        transitions, c = experience.transitions, self._actor_critic.reward_scale
+        check_finite(transitions)
+        self._statistics.observe(np.ascontiguousarray(transitions.features))
+        self._statistics.observe_rewards(c * transitions.rewards.astype(np.float64))
+        self.replay.extend(transitions, experience.states)
+        self.jacobians += len(experience.states) if self._linearized else 0
+
+    def learn(self) -> None:
+        """Do a cycle's updates, then set the unit of Q to its targets."""
+        size = self._config.cycle_updates, self._config.batch_size
+        draws = generator(self.seed, "batches", self.updates)
+        indices = draws.integers(self.replay.size, size=size)
+        scaling = self._statistics.scaling()
+        done, lost, report = self._actor_critic.update(
+            Cycle(self.updates, self.replay, indices, draws, scaling)
+        )
+        self.updates += done
+        if lost >= 0:
+            raise NotFiniteQuantityError(self._actor_critic.quantities[lost])
+        moments = report.target_mean.mean(), report.target_square.mean()
+        self._actor_critic.change_unit(move_value_scale(self._statistics, *moments))
+        self._means.add(report)
+
+    def diagnose(self, timestep: int) -> dict[str, float]:
+        """The means of the updates since the last call, and how well gradients fit."""
+        draws = generator(self.seed, "diagnostics", timestep)
+        indices = draws.integers(self.replay.size, size=self._config.batch_size)
+        drawn = with_derivatives(self._environment, self._coordinates, self.replay, indices)
+        self.jacobians += len(indices)
+        gradient, target = self._actor_critic.gradient_pair(drawn, self._statistics.scaling())
+        means, c = self._means.take(), self._actor_critic.reward_scale
+        return {
+            **means,
+            "q_mean": means["q_mean"] / c,
+            **agreement(gradient, target, self._coordinates),
+            **self._actor_critic.diagnostics(),
+            "value_std": self._statistics.value_std / c,
+        }
+
+    def state(self) -> State:
+        """All that its next bits depend on but the replay."""
+        return {
+            "updates": np.array(self.updates),
+            "jacobians": np.array(self.jacobians),
+            **self._actor_critic.state(),
+            **within("statistics", self._statistics.state()),
+            **within("means", self._means.state()),
+        }
+
+    def restore(self, state: State) -> None:
+        """Take up what `state` gave; the replay is filled by who calls this."""
+        self.updates = int(state["updates"])
+        self.jacobians = int(state["jacobians"])
+        self._actor_critic.restore(state)
+        self._statistics.restore(part(state, "statistics"))
+        self._means.restore(part(state, "means"))
+
+    def snapshot(self, timestep: int) -> Snapshot:
+        """The deterministic policy and the critic, in the unit of the task's rewards."""
+        statistics, c = self._statistics, self._actor_critic.reward_scale
+        policy, m = self.policy(), self._environment.action_size
+        return Snapshot(
+            timestep,
+            self._config.hidden_units,
+            m,
+            policy._replace(theta=network.first_outputs(policy.theta, self.actor_shape, m)),
+            Critic(
+                self._actor_critic.critic.theta, statistics.value_mean / c, statistics.value_std / c
+            ),
+        )
