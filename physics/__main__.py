@@ -8,8 +8,7 @@ from physics.audit.audit import audit
 from physics.audit.notes import failures, notes
 from physics.audit.record import COUNT, RegimeAudit, as_table, write_record
 from physics.catalogue import make, names
-from physics.domain import RowsError
-from physics.environment import Environment, UnsolvedStepError
+from physics.environment import Environment
 from physics.kernels.compile_notice import compile_notice
 
 
@@ -54,8 +53,8 @@ def audit_all(tasks: list[Environment], count: int, keep: bool) -> int:
                 found = audit(task, count)
                 remarks += [*failures(found, count), *notes(task, found)]
             rows += found
-        except (RowsError, UnsolvedStepError) as error:
-            remarks.append(f"NOT PASSED: {error}")
+        except Exception as error:
+            remarks.append(f"NOT PASSED: {task.name}: {type(error).__name__}: {error}")
         say(f"audit of {task.name}: {time.perf_counter() - start:.1f} s")
     say(as_table(rows))
     for remark in remarks:

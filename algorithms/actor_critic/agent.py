@@ -14,7 +14,12 @@ from numpy.typing import NDArray
 from algorithms.early_end import NotFiniteQuantityError
 from algorithms.experience.replay import Memory, Replay, check_finite, empty_memory
 from algorithms.experience.rollout import Experience
-from algorithms.matching.diagnostics import UpdateMeans, agreement, with_derivatives
+from algorithms.matching.diagnostics import (
+    NO_AGREEMENT,
+    UpdateMeans,
+    agreement,
+    with_derivatives,
+)
 from algorithms.networks import network
 from algorithms.networks.layer import Array
 from algorithms.networks.network import Shape
@@ -201,17 +206,27 @@ class Agent:
         """The means of the updates since the last call, and how well gradients fit."""
         draws = generator(self.seed, "diagnostics", timestep)
         indices = draws.integers(self.replay.size, size=self._config.batch_size)
-        drawn = with_derivatives(self._environment, self._coordinates, self.replay, indices)
-        self.jacobians += len(indices)
-        gradient, target = self._actor_critic.gradient_pair(drawn, self._statistics.scaling())
         means, c = self._means.take(), self._actor_critic.reward_scale
         return {
             **means,
             "q_mean": means["q_mean"] / c,
-            **agreement(gradient, target, self._coordinates),
+            **self._agreement(indices),
             **self._actor_critic.diagnostics(),
             "value_std": self._statistics.value_std / c,
         }
+
+    def _agreement(self, indices: NDArray[np.int64]) -> dict[str, float]:
+        """How well the critic's gradient fits its target, at these transitions of the replay.
+
+        NaN where a step has no derivatives: who matches no gradients does not need them.
+        """
+        try:
+            drawn = with_derivatives(self._environment, self._coordinates, self.replay, indices)
+        except (ValueError, ArithmeticError):
+            return NO_AGREEMENT
+        self.jacobians += len(indices)
+        gradient, target = self._actor_critic.gradient_pair(drawn, self._statistics.scaling())
+        return agreement(gradient, target, self._coordinates)
 
     def state(self) -> State:
         """All that its next bits depend on but the replay."""

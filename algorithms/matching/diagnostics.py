@@ -23,6 +23,16 @@ from algorithms.state import State
 from physics.environment import Environment
 
 Gradients = NDArray[np.float32]
+NO_AGREEMENT = {
+    name: float("nan")
+    for part in ("state", "action")
+    for name in (
+        f"{part}_gradient_cosine",
+        f"{part}_gradient_norm_ratio",
+        f"target_{part}_gradient_norm",
+    )
+}
+"""What `agreement` gives where there is nothing to agree with."""
 
 
 class UpdateMeans:

@@ -59,10 +59,16 @@ def new_expansion(environment: Environment, plans: int) -> Expansion:
 
 
 def curved_directions(environment: Environment) -> Integers:
-    """The coordinates of x along which the reward's gradients change anywhere, by probing."""
-    states, actions = environment.sample(generator(0, "curved directions"), PROBES)
+    """The coordinates of x along which the reward's gradients change anywhere, by probing.
+
+    All of them, where a probe raises: that is nothing that any run has done.
+    """
     every = np.arange(environment.state_size + environment.action_size)
-    steps, _ = differentiate_around(environment, states, np.clip(actions, -1.0, 1.0), every)
+    try:
+        states, actions = environment.sample(generator(0, "curved directions"), PROBES)
+        steps, _ = differentiate_around(environment, states, np.clip(actions, -1.0, 1.0), every)
+    except Exception:
+        return every
     gradients = np.concatenate([steps.reward_state_gradient, steps.reward_action_gradient,
                                 steps.reward_next_state_gradient], axis=1)  # fmt: skip
     gradients = gradients.reshape(1 + len(every), PROBES, -1)

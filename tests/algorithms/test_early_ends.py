@@ -167,7 +167,6 @@ class Tripping(OtherRewards):
         super().__init__("Pendulum", lambda s, r: r)
         self._where = where
         self._above = above
-        self.is_armed = True
 
     def initial_state(self, generator: np.random.Generator) -> FloatArray:
         state = super().initial_state(generator)
@@ -184,24 +183,17 @@ class Tripping(OtherRewards):
         return super().differentiate_kernel(states, actions, *outputs)
 
     def _trip(self, states: FloatArray) -> None:
-        if self.is_armed and self._where == "step" and (states[:, 1] > self._above).any():
+        if self._where == "step" and (states[:, 1] > self._above).any():
             raise RuntimeError("tripped over a cable")
 
 
-@pytest.mark.parametrize(
-    ("name", "where"),
-    [(name, where) for name in LEARNERS for where in ("start", "step")
-     if (name, where) != ("mpc", "start")],
-)  # fmt: skip
+@pytest.mark.parametrize("where", ["start", "step"])
+@pytest.mark.parametrize("name", LEARNERS)
 def test_code_that_raises_in_one_run_fails_that_run(name: str, where: str) -> None:
-    """mpc draws its only start beside those that it looks at the whole task from."""
     task, seeds = Tripping(where, above=5.0 if name == "mpc" else 7.9), range(8)
 
     def trained(chosen: Sequence[int]) -> Events:
-        task.is_armed = name != "mpc"  # which looks at the task as a whole before it begins
-        learner = build(name, task, chosen, weights_of(name), timesteps=1_600)
-        task.is_armed = True
-        return events(learner)
+        return events(build(name, task, chosen, weights_of(name), timesteps=1_600))
 
     said = trained(seeds)
     failed = ends(said)
@@ -212,6 +204,31 @@ def test_code_that_raises_in_one_run_fails_that_run(name: str, where: str) -> No
         assert end.error.strip().endswith(wanted[where])
     for seed in seeds:
         assert told(said, seed) == told(trained([seed]), seed) != []
+
+
+class WithoutDerivatives(OtherRewards):
+    """A task whose derivatives leave the numbers where it turns fast, and whose steps do not."""
+
+    def __init__(self) -> None:
+        super().__init__("Pendulum", lambda s, r: r)
+
+    def differentiate_kernel(self, states: FloatArray, actions: FloatArray, *outputs: Any) -> int:
+        unsolved = super().differentiate_kernel(states, actions, *outputs)
+        outputs[3][states[:, 1] > 5.0] = np.nan
+        return unsolved
+
+
+@pytest.mark.parametrize("name", ["ddpg", "sac"])
+def test_who_matches_no_gradients_needs_no_derivatives(name: str) -> None:
+    said = events(build(name, WithoutDerivatives(), range(6)))
+    assert ends(said) == {}
+    cosines = [e.diagnostics["state_gradient_cosine"] for e in said if isinstance(e, Measurement)]
+    assert np.isnan(cosines).any()
+    assert [e.return_mean for e in said if isinstance(e, Measurement)] == [
+        e.return_mean
+        for e in events(build(name, OtherRewards("Pendulum", lambda s, r: r), range(6)))
+        if isinstance(e, Measurement)
+    ]
 
 
 def test_train_tells_at_the_end_what_failed_and_what_diverged(

@@ -124,11 +124,7 @@ class Cohort:
 
     def _run(self) -> None:
         try:
-            if self._measure_first is not None:
-                measured = self._measure_first()
-                with self._lock:
-                    self._news.random_return = measured
-            found = self._find_checkpoints()
+            found = self._find_checkpoints(self._play_at_random())
             for timestep in sorted({each.timestep for each in found.values()}, reverse=True):
                 group = [seed for seed in self._waiting if found[seed].timestep == timestep]
                 if group and not self._stopped.is_set():
@@ -142,15 +138,38 @@ class Cohort:
             self._over.set()
             self._is_urgent.set()
 
-    def _find_checkpoints(self) -> dict[int, Found]:
-        """Look where each run was left, and tell."""
+    def _play_at_random(self) -> str:
+        """Measure the random return where it is wanted; return why it could not be.
+
+        Runs do without: their returns are not normalised then.
+        """
+        if self._measure_first is None:
+            return ""
+        try:
+            measured = self._measure_first()
+        except Exception as error:
+            return (
+                "the task's random return could not be measured, so returns are not normalised: "
+                f"{type(error).__name__}: {error}"
+            )
+        with self._lock:
+            self._news.random_return = measured
+        return ""
+
+    def _find_checkpoints(self, remark: str) -> dict[int, Found]:
+        """Look where each run was left, and tell, with a remark on all of them."""
         patience = self._patience()
         found = {seed: each.find(patience) for seed, each in self._checkpoints.items()}
         self._measured = {seed: [*each.measurements] for seed, each in found.items()}
         with self._lock:
             self._news.measurements.extend(m for each in found.values() for m in each.measurements)
             self._news.resumed.extend(
-                Resumption(seed, each.timestep, tuple(each.mixed_with), each.note)
+                Resumption(
+                    seed,
+                    each.timestep,
+                    tuple(each.mixed_with),
+                    "; ".join(filter(None, [each.note, remark])),
+                )
                 for seed, each in found.items()
             )
         return found

@@ -190,6 +190,23 @@ def test_an_error_comes_after_what_was_measured_before_it() -> None:
     assert points(said, 3) == [CYCLE, 2 * CYCLE]
 
 
+def test_runs_train_on_where_the_random_return_cannot_be_measured(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def refuse(environment: str) -> None:
+        raise RuntimeError(f"no start in {environment}")
+
+    monkeypatch.setattr("workers.training.execute.measure", refuse)
+    said = list(
+        execute(RUNS, NOWHERE, tuple, never, measure_random_return=True, build_learner=FakeLearner)
+    )
+    assert {p.random_return for p in said} == {None}
+    assert [seed for p in said for seed in p.finished] == [3, 5, 8]
+    notes = [each.note for p in said for each in p.resumed]
+    assert len(notes) == 3
+    assert all("not normalised: RuntimeError: no start in Pendulum" in note for note in notes)
+
+
 def test_measures_the_random_return_where_asked() -> None:
     said = list(
         execute(
