@@ -6,6 +6,7 @@ from scipy.linalg import block_diag, sqrtm
 from scipy.optimize import lsq_linear
 
 import physics
+from algorithms.planning.backward import LARGEST
 from algorithms.planning.episodes import Episodes, replay
 from algorithms.planning.planner import Planner
 from physics.environment import Environment, FloatArray
@@ -137,3 +138,15 @@ def test_the_end_of_the_task_is_the_end_of_the_costs() -> None:
     assert episodes.ends[0] == 49  # 0.5 m at 0.01 m a step, less the goal's radius
     assert np.all(episodes.actions[0, :45] == 1.0)
     assert np.all(episodes.rewards[0, 49:60] == 0.0)
+
+
+def test_beginning_a_plan_leaves_the_regularisation_of_others_alone() -> None:
+    environment = physics.make("Pendulum")
+    starts = environment.initial_states(range(2))
+    planner = Planner(environment, roll_out(environment, starts, lambda s: np.zeros((len(s), 1))))
+    planner.regularisation.level[:] = 2 * LARGEST
+    planner.regularisation.growth[:] = 1.6
+    planner.begin(np.array([1]))
+    assert planner.regularisation.level.tolist() == [2 * LARGEST, 1.0]
+    assert planner.regularisation.growth.tolist() == [1.6, 1.0]
+    assert planner.is_active.tolist() == [False, True]
