@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -81,6 +82,12 @@ def draw_panel(ax: Axes, panel: Panel, styles: Mapping[str, Style]) -> None:
     """Draw the curves of an environment, each in the style of its label."""
     for one in panel.curves:
         style, curve = styles[one.label], one.curve
+        alone = np.isfinite(curve.mean)
+        if alone.sum() == 1:  # a line of one point is invisible
+            ax.plot(curve.x[alone], curve.mean[alone], "o", markersize=4, color=style["color"])
+            ax.vlines(
+                curve.x[alone], curve.low[alone], curve.high[alone], style["color"], alpha=0.4
+            )
         ax.plot(curve.x, curve.mean, linewidth=1.2, **style)
         ax.fill_between(
             curve.x, curve.low, curve.high, color=style["color"], alpha=0.2, linewidth=0

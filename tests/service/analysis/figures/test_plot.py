@@ -2,9 +2,12 @@
 
 from typing import Any
 
+import numpy as np
+from matplotlib.figure import Figure
+
 from service.analysis.comparison import Comparison, View, compare
 from service.analysis.figures.palette import BLUE, colour
-from service.analysis.figures.plot import styles_of
+from service.analysis.figures.plot import draw_panel, styles_of
 from service.model.entry import Entries
 from tests.service.scored import run_curve
 from workers.messages.random_return import RandomReturn
@@ -45,3 +48,12 @@ def test_an_entry_looks_alike_where_its_siblings_are_not_shown() -> None:
     assert list(everywhere) == ["ddpg noise=0.3", "ddpg noise=0.1"]
     assert on_pendulum == {"ddpg noise=0.1": everywhere["ddpg noise=0.1"]}
     assert on_pendulum["ddpg noise=0.1"]["linestyle"] != "solid"
+
+
+def test_a_curve_of_one_measurement_is_a_point_with_its_band() -> None:
+    comparison = compared([{"name": "ddpg"}], environment="Pendulum")
+    axes = Figure().subplots()
+    draw_panel(axes, comparison.panels[0], styles_of(comparison))
+    assert [line.get_marker() for line in axes.lines] == ["o", "None"]
+    assert np.asarray(axes.lines[0].get_xydata()).tolist() == [[800.0, 1.0]]
+    assert len(axes.collections) == 2  # the band's two ends, and the area of a line
