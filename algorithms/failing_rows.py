@@ -5,8 +5,8 @@ to blame are found by halving the batch, and other rows are worked out in their 
 """
 
 import traceback
-from collections.abc import Callable
-from typing import Any, TypeVar
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, TypeVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +15,21 @@ from algorithms.early_end import Divergence, EarlyEnd, Failure, NotFiniteQuantit
 from physics.environment import NotFiniteError
 
 Result = TypeVar("Result")
+Run = TypeVar("Run")
 Failures = dict[int, Exception]
 """The error of each row that raised, by its index."""
+
+
+@overload
+def call_rows(
+    call: Callable[..., Result], *arrays: NDArray[Any], substitutes: NDArray[np.int64]
+) -> tuple[Result, Failures]: ...
+
+
+@overload
+def call_rows(
+    call: Callable[..., Result], *arrays: NDArray[Any]
+) -> tuple[Result | None, Failures]: ...
 
 
 def call_rows(
@@ -69,6 +82,24 @@ def failing_rows(call: Callable[..., object], *arrays: NDArray[Any], first: int 
             call, *(a[half:] for a in arrays), first=first + half
         )
     return {}
+
+
+def failures_of(failures: Failures, rows: Sequence[int]) -> Failures:
+    """The failures of these rows alone, by their index among them."""
+    return {k: failures[row] for k, row in enumerate(rows) if row in failures}
+
+
+def call_each(
+    call: Callable[[Run], None], runs: Iterable[Run], end: Callable[[Run, Exception], EarlyEnd]
+) -> list[EarlyEnd]:
+    """Call for every run; return how those end for which it raises."""
+    ends = []
+    for run in runs:
+        try:
+            call(run)
+        except Exception as error:
+            ends.append(end(run, error))
+    return ends
 
 
 def early_end(seed: int, timestep: int, update: int, error: Exception) -> EarlyEnd:

@@ -16,7 +16,7 @@ from algorithms.actor_critic.agent import ActorCritic, Agent, Settings
 from algorithms.early_end import EarlyEnd
 from algorithms.experience.evaluation import episode_returns
 from algorithms.experience.rollout import Rollout, start_states
-from algorithms.failing_rows import early_end, found
+from algorithms.failing_rows import call_each, early_end, found
 from algorithms.matching.losses import Matching, is_matched
 from algorithms.measurement import HISTORY, MEASURE_EVERY, Measurement
 from algorithms.networks.policy import Policies
@@ -147,12 +147,11 @@ class OffPolicyLearner:
 
     def _each(self, call: Callable[[Agent], None]) -> list[EarlyEnd]:
         """Call for every agent; those for which it raises leave."""
-        ends = []
-        for agent in self._agents:
-            try:
-                call(agent)
-            except Exception as error:
-                ends.append(early_end(agent.seed, self.timestep, agent.updates + 1, error))
+        ends = call_each(
+            call,
+            self._agents,
+            lambda agent, error: early_end(agent.seed, self.timestep, agent.updates + 1, error),
+        )
         if ends:
             self.drop({end.seed for end in ends})
         return ends

@@ -27,7 +27,7 @@ from algorithms.ascent.run import GDRun, shape_of
 from algorithms.early_end import EarlyEnd
 from algorithms.experience.evaluation import episode_returns
 from algorithms.experience.rollout import start_states
-from algorithms.failing_rows import early_end, found
+from algorithms.failing_rows import call_each, early_end, found
 from algorithms.measurement import Measurement
 from algorithms.networks.policy import Policies
 from algorithms.networks.scaling import coordinates_of
@@ -119,13 +119,11 @@ class GDLearner:
 
     def _each(self, call: Callable[[GDRun], None]) -> list[EarlyEnd]:
         """Call for every run; those for which it raises leave."""
-        ends = []
-        for run in self._runs:
-            try:
-                call(run)
-            except Exception as error:
-                seed, timestep, updates = run.history.seed, run.timestep, run.updates
-                ends.append(early_end(seed, timestep, updates + 1, error))
+        ends = call_each(
+            call,
+            self._runs,
+            lambda run, error: early_end(run.history.seed, run.timestep, run.updates + 1, error),
+        )
         self.drop({end.seed for end in ends})
         return ends
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from algorithms.experience.replay import Memory, empty_memory
 from algorithms.experience.target_jacobian import fold
-from algorithms.failing_rows import Failures, call_rows
+from algorithms.failing_rows import Failures, call_rows, failures_of
 from algorithms.networks.policy import Policies
 from algorithms.networks.scaling import Coordinates
 from algorithms.state import State
@@ -82,9 +82,7 @@ class Rollout:
         self.episodes = self.episodes[kept]
         self._elapsed = self._elapsed[kept]
         self._states = self._states[kept]
-        self._failures = {
-            k: self._failures[row] for k, row in enumerate(kept) if row in self._failures
-        }
+        self._failures = failures_of(self._failures, kept)
 
     def state(self, k: int) -> State:
         """Where run k is in which of its episodes."""

@@ -126,7 +126,6 @@ def differentiate_around(
     steps, _ = call_rows(
         environment.differentiate, flat[:, :n], flat[:, n:], substitutes=themselves
     )
-    assert steps is not None  # noqa: S101  (rows stand in for neighbours, or raise)
     return steps, widths
 
 

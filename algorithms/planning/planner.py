@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from algorithms.early_end import NotFiniteQuantityError
-from algorithms.failing_rows import Failures, call_rows
+from algorithms.failing_rows import Failures, call_rows, failures_of
 from algorithms.planning.backward import (
     LARGEST,
     Gains,
@@ -98,9 +98,7 @@ class Planner:
 
     def keep(self, rows: list[int]) -> None:
         """Keep these plans only."""
-        self.failures = {
-            p: self.failures[row] for p, row in enumerate(rows) if row in self.failures
-        }
+        self.failures = failures_of(self.failures, rows)
         for name in COUNTS:
             setattr(self, name, getattr(self, name)[rows])
         for name in ("episodes", "regularisation", "gains", "_expansion"):
