@@ -1,16 +1,27 @@
 """The settings of every learner: defaults, and ranges outside which a value is refused by name."""
 
+from typing import Annotated, Literal
+
 from pydantic import ConfigDict, Field
 from pydantic.dataclasses import dataclass
 
 STRICT = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
+
+HiddenUnits = Annotated[int, Field(ge=4, le=512, description="units of each hidden layer")]
+HiddenLayers = Annotated[int, Field(ge=1, le=4, description="hidden layers of each network")]
+ActivationName = Annotated[
+    Literal["tanh", "elu", "silu", "relu"],
+    Field(description="activation of hidden units; a hybrid wants a smooth one"),
+]
 
 
 @dataclass(frozen=True, config=STRICT)
 class DDPGConfig:
     """Of DDPG and its hybrids. Defaults are those of OpenAI Baselines."""
 
-    hidden_units: int = Field(64, ge=4, le=512, description="units of each of two hidden layers")
+    hidden_units: HiddenUnits = 64
+    hidden_layers: HiddenLayers = 2
+    activation: ActivationName = "tanh"
     batch_size: int = Field(64, ge=1, le=1024, description="transitions an update")
     actor_rate: float = Field(1e-4, gt=0, le=1, description="Adam's step size for the actor")
     critic_rate: float = Field(1e-3, gt=0, le=1, description="Adam's step size for the critic")
@@ -30,7 +41,9 @@ class DDPGConfig:
 class SACConfig:
     """Of SAC and its hybrid. Defaults are the authors', or DDPG's for network and batch."""
 
-    hidden_units: int = Field(64, ge=4, le=512, description="units of each of two hidden layers")
+    hidden_units: HiddenUnits = 64
+    hidden_layers: HiddenLayers = 2
+    activation: ActivationName = "tanh"
     batch_size: int = Field(64, ge=1, le=1024, description="transitions an update")
     rate: float = Field(3e-4, gt=0, le=1, description="Adam's step size, of every network")
     tau: float = Field(0.005, gt=0, le=1, description="share that V's target follows an update")
@@ -47,9 +60,9 @@ class SACConfig:
 class GDConfig:
     """Of gradient ascent through the simulator."""
 
-    hidden_units: int = Field(
-        default=64, ge=4, le=512, description="units of each of two hidden layers"
-    )
+    hidden_units: HiddenUnits = 64
+    hidden_layers: HiddenLayers = 2
+    activation: ActivationName = "tanh"
     rate: float = Field(default=1e-3, gt=0, le=1, description="Adam's step size")
     episodes: int = Field(
         default=1, ge=1, le=16, description="episodes an update, all from new starts"
