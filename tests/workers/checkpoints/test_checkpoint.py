@@ -263,9 +263,10 @@ def test_on_the_mass_point_what_was_learned_by_the_epochs_of_figure_2_is_kept(
     place: Place, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     theta, unit = np.arange(5, dtype=np.float32), np.ones(3, np.float32)
+    inside = Inside((8, 8), "tanh")
 
     def learned(self: FakeLearner, seed: int) -> Snapshot:
-        return Snapshot(self.timestep, 8, 1, deterministic(theta, unit, unit, 1))
+        return Snapshot(self.timestep, 1, inside, deterministic(theta, unit, unit, 1))
 
     monkeypatch.setattr(FakeLearner, "snapshot", learned)
     for spec, kept in ((replace(SPEC, environment="MassPoint"), [1, 10]), (SPEC, [])):
