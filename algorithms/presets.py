@@ -112,6 +112,7 @@ SETTINGS: Mapping[str, Mapping[str, Mapping[str, Any]]] = {
         "RollingDie": {"noise": 0.4, "critic_decay": 0.01},
         "HalfCheetah": {"noise": 0.2, "critic_decay": 0.0, "cycle_updates": 100},
     },
+    "td3": {},
     "sac": {
         "CartPole": {"reward_scale": 3.0},
         "CartPoleSwingUp": {"reward_scale": 10.0},
@@ -161,6 +162,8 @@ WEIGHTS: Mapping[str, Weights] = {
             "HalfCheetah": (0.0, 0.01),
         },
     ),
+    "hybrid-ddpg-robust": Weights((1.0, 0.1), {}),
+    "hybrid-td3": Weights((1.0, 0.1), {}),
     "hybrid-sac": Weights(
         (0.1, 0.1),
         {

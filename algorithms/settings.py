@@ -45,6 +45,41 @@ class DDPGConfig:
 
 
 @dataclass(frozen=True, config=STRICT)
+class TD3Config:
+    """Of TD3 and its hybrid. Defaults are the authors', or DDPG's for network and batch."""
+
+    hidden_units: HiddenUnits = 64
+    hidden_layers: HiddenLayers = 2
+    activation: ActivationName = "tanh"
+    batch_size: int = Field(default=64, ge=1, le=1024, description="transitions an update")
+    actor_rate: float = Field(
+        default=1e-3, gt=0, le=1, description="Adam's step size for the actor"
+    )
+    critic_rate: float = Field(
+        default=1e-3, gt=0, le=1, description="Adam's step size for the critics"
+    )
+    tau: float = Field(
+        default=0.005, gt=0, le=1, description="share that targets follow when the actor steps"
+    )
+    gamma: float = Field(default=0.99, ge=0, le=1, description="discount a step")
+    noise: float = Field(
+        default=0.1, ge=0, le=1, description="standard deviation of exploration, of each action"
+    )
+    target_noise: float = Field(
+        default=0.2, ge=0, le=1, description="standard deviation of the target's actions"
+    )
+    noise_bound: float = Field(
+        default=0.5, ge=0, le=2, description="largest noise of the target's actions"
+    )
+    delay: int = Field(
+        default=2, ge=1, le=100, description="updates of the critics for one of the actor"
+    )
+    rollout_steps: int = Field(default=100, ge=1, le=800, description="environment steps a cycle")
+    cycle_updates: int = Field(default=100, ge=1, le=800, description="updates a cycle")
+    replay_size: int = Field(default=10**6, ge=100, le=10**7, description="transitions remembered")
+
+
+@dataclass(frozen=True, config=STRICT)
 class SACConfig:
     """Of SAC and its hybrid. Defaults are the authors', or DDPG's for network and batch."""
 

@@ -29,18 +29,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from algorithms.actor_critic.agent import Cycle
-from algorithms.actor_critic.ddpg_update import (
-    QUANTITIES,
-    Rates,
-    Report,
-    empty_report,
-    gradient_pair,
-    update,
-)
+from algorithms.actor_critic.ddpg_update import Rates, gradient_pair, update
+from algorithms.actor_critic.deterministic import MEANS, QUANTITIES, Report, empty_report
 from algorithms.actor_critic.learner import OffPolicyLearner, cohort
 from algorithms.actor_critic.parameter_noise import ParameterNoise, action_distance
 from algorithms.experience.replay import Memory
-from algorithms.matching.losses import Matching, matching_of
+from algorithms.matching.losses import COSINE, L2, ROBUST, Matching, matching_of
 from algorithms.networks import network
 from algorithms.networks.layer import Array
 from algorithms.networks.network import Shape
@@ -57,13 +51,7 @@ from physics.randomness import generator
 class DDPG:
     """The networks of DDPG and of its hybrids; see `algorithms.actor_critic.agent.ActorCritic`."""
 
-    means: Sequence[str] = (
-        "critic_loss",
-        "gradient_loss",
-        "q_mean",
-        "critic_gradient_norm",
-        "actor_gradient_norm",
-    )
+    means: Sequence[str] = MEANS
     quantities: Sequence[str] = QUANTITIES
 
     def __init__(
@@ -170,9 +158,7 @@ def build(
     config: DDPGConfig,
 ) -> OffPolicyLearner:
     """A cohort of DDPG runs; with weights other than 0, of its hybrid (L2)."""
-    return matching_cohort(
-        environment, seeds, matching_of(weights, by_cosine=False), timesteps, config
-    )
+    return matching_cohort(environment, seeds, matching_of(weights, L2), timesteps, config)
 
 
 def build_cosine(
@@ -183,9 +169,18 @@ def build_cosine(
     config: DDPGConfig,
 ) -> OffPolicyLearner:
     """A cohort of runs of DDPG's hybrid that matches the gradients' directions."""
-    return matching_cohort(
-        environment, seeds, matching_of(weights, by_cosine=True), timesteps, config
-    )
+    return matching_cohort(environment, seeds, matching_of(weights, COSINE), timesteps, config)
+
+
+def build_robust(
+    environment: Environment,
+    seeds: Sequence[int],
+    weights: tuple[float, float],
+    timesteps: int,
+    config: DDPGConfig,
+) -> OffPolicyLearner:
+    """A cohort of runs of DDPG's hybrid with the robust loss."""
+    return matching_cohort(environment, seeds, matching_of(weights, ROBUST), timesteps, config)
 
 
 def matching_cohort(

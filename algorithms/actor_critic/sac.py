@@ -47,7 +47,7 @@ from algorithms.actor_critic.sac_update import (
     update,
 )
 from algorithms.experience.replay import Memory
-from algorithms.matching.losses import Matching, matching_of
+from algorithms.matching.losses import L2, Matching, matching_of
 from algorithms.networks import network
 from algorithms.networks.layer import Array
 from algorithms.networks.optimizer import learned, learned_alone
@@ -178,5 +178,5 @@ def build(
     config: SACConfig,
 ) -> OffPolicyLearner:
     """A cohort of SAC runs; with weights other than 0, of its hybrid."""
-    matching = matching_of(weights, by_cosine=False)
+    matching = matching_of(weights, L2)
     return cohort(SAC, environment, seeds, matching, timesteps, config)

@@ -88,7 +88,12 @@ def matched_fit(
     own_gradient(q, batch, coordinates, work)
     value_loss = losses.value_loss(critic.out, work.value, moved.out_til)
     gradient_loss = losses.gradient_loss(
-        work.gradient, work.target, coordinates.seen.size, matching, work.direction
+        work.gradient,
+        work.target,
+        batch.continues,
+        coordinates.seen.size,
+        matching,
+        work.direction,
     )
     losses.input_direction(batch, coordinates, work.direction, moved.x)
     network.tangent(q, critic, moved)

@@ -30,6 +30,9 @@ CASES = [
     Case("hybrid-ddpg", (1.0, 0.1)),
     Case("hybrid-ddpg-cosine", (0.1, 0.1)),
     Case("sac"),
+    Case("hybrid-ddpg-robust", (1.0, 0.1)),
+    Case("td3"),
+    Case("hybrid-td3", (1.0, 0.1)),
     Case("hybrid-sac", (0.1, 0.1)),
 ]
 

@@ -1,14 +1,15 @@
 """One update of DDPG and its hybrids against the equations written plainly in torch, float64."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
 import torch
-from torch import Tensor
 
-from algorithms.actor_critic.ddpg_update import Rates, empty_report, update
-from algorithms.matching.losses import matching_of
+from algorithms.actor_critic.ddpg_update import Rates, update
+from algorithms.actor_critic.deterministic import empty_report
+from algorithms.matching.losses import COSINE, L2, ROBUST, matching_of
 from algorithms.networks import network
 from algorithms.networks.activation import ELU, Activation, ReLU, SiLU, Tanh
 from algorithms.networks.network import Shape
@@ -22,20 +23,17 @@ from tests.algorithms.plain import (
     Plain,
     PlainBatch,
     Setting,
+    angular,
     assert_followed,
     assert_stepped,
     not_small,
+    robust,
     setting,
     squared,
 )
 
+LOSSES = {squared: L2, angular: COSINE, robust: ROBUST}
 DECAY, ACTOR_RATE, CRITIC_RATE = 1e-2, 1e-4, 1e-3
-
-
-def angular(own: Tensor, target: Tensor) -> Tensor:
-    """Equation 3, both vectors made longer by one more entry, which the product leaves out."""
-    own_norm, target_norm = (((each**2).sum(1) + 1e-6).sqrt() for each in (own, target))
-    return 1 - (own * target).sum(1) / (own_norm * target_norm)
 
 
 def shapes_in(
@@ -55,10 +53,12 @@ def shapes_in(
         ((0.7, 0.3), squared),
         ((0.7, 0.0), angular),
         ((0.7, 0.3), angular),
+        ((0.7, 0.0), robust),
+        ((0.7, 0.3), robust),
     ],
 )
 def test_update_is_the_equations(
-    name: str, weights: tuple[float, float], distance: Callable[[Tensor, Tensor], Tensor]
+    name: str, weights: tuple[float, float], distance: Callable[..., Any]
 ) -> None:
     assert_update_is_the_equations(name, weights, distance, (16, 16), Tanh())
 
@@ -82,7 +82,7 @@ def test_update_is_the_equations_for_any_network(
 def assert_update_is_the_equations(
     name: str,
     weights: tuple[float, float],
-    distance: Callable[[Tensor, Tensor], Tensor],
+    distance: Callable[..., Any],
     hidden: tuple[int, ...],
     activation: Activation,
 ) -> None:
@@ -98,7 +98,10 @@ def assert_update_is_the_equations(
     q, q_target = (Plain(theta, shapes[1]) for theta in (critic.theta, critic.target))
     targets = batch.targets(lambda x: q_target(torch.cat([x, torch.tanh(pi_target(x))], 1))[:, 0])
     decayed = q.theta[: network.decayed_size(shapes[1])]
-    critic_loss = batch.critic_loss(q, targets, weights, distance) + DECAY / 2 * (decayed**2).sum()
+    distances = robust(batch.goes_on) if distance is robust else (distance, distance)
+    critic_loss = (
+        batch.critic_loss(q, targets, weights, *distances) + DECAY / 2 * (decayed**2).sum()
+    )
     x = batch.normal(batch.f)
     actor_loss = -q(torch.cat([x, torch.tanh(pi(x))], 1)).mean()
     before = [part.copy() for part in (actor.theta, actor.target, critic.theta, critic.target)]
@@ -106,7 +109,7 @@ def assert_update_is_the_equations(
     rates = Rates(np.float32(GAMMA), np.float32(TAU), ACTOR_RATE, CRITIC_RATE, np.float32(DECAY))
     done, lost = update(
         actor, critic, 0, where.memory, rows[None], where.coordinates, where.scaling, rates,
-        matching_of(weights, by_cosine=distance is angular), shapes, empty_report(1),
+        matching_of(weights, LOSSES[distance]), shapes, empty_report(1),
     )  # fmt: skip
 
     assert (done, lost) == (1, -1)

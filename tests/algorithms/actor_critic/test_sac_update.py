@@ -6,7 +6,7 @@ import torch
 from torch.distributions import Normal, TanhTransform
 
 from algorithms.actor_critic.sac_update import Networks, Rates, Shapes, empty_report, update
-from algorithms.matching.losses import matching_of
+from algorithms.matching.losses import L2, matching_of
 from algorithms.networks import network
 from algorithms.networks.network import Shape
 from algorithms.networks.optimizer import learned, learned_alone
@@ -88,7 +88,7 @@ def test_update_is_the_equations(name: str, weights: tuple[float, float]) -> Non
     report = empty_report(1)
     done, lost = update(
         networks, 0, where.memory, rows[None], noise, where.coordinates, where.scaling,
-        RATES, matching_of(weights, by_cosine=False), shapes, report,
+        RATES, matching_of(weights, L2), shapes, report,
     )  # fmt: skip
 
     assert (done, lost) == (1, -1)
