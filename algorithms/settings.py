@@ -93,7 +93,13 @@ class SACConfig:
     )
     gamma: float = Field(default=0.99, ge=0, le=1, description="discount a step")
     reward_scale: float = Field(
-        default=5.0, gt=0, le=10**6, description="factor of rewards, the inverse of the temperature"
+        default=5.0,
+        gt=0,
+        le=10**6,
+        description="factor of rewards, the inverse of a fixed temperature",
+    )
+    temperature: Literal["fixed", "learned"] = Field(
+        default="fixed", description="fixed as in 2018, or learned for an entropy of -m as in 2019"
     )
     rollout_steps: int = Field(default=100, ge=1, le=800, description="environment steps a cycle")
     cycle_updates: int = Field(default=100, ge=1, le=800, description="updates a cycle")

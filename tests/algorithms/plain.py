@@ -151,7 +151,7 @@ class PlainBatch:
         distance: Distance,
         state_distance: Distance | None = None,
     ) -> Tensor:
-        """The value loss and the weighted distances of the gradients, of the actions' and state's."""
+        """The value loss and the weighted distances of the actions' and state's gradients."""
         value, own = self.value_and_gradient(q)
         target, aim = targets
         seen = len(self.coordinates.seen)

@@ -270,6 +270,7 @@ SETTINGS: dict[str, dict[str, st.SearchStrategy[Any]]] = {
     "sac": {
         "hidden_units": st.integers(4, 16), "batch_size": st.integers(1, 32), "rate": RATE,
         "tau": st.floats(1e-6, 1.0), "gamma": SHARE, "reward_scale": st.floats(1e-6, 1e6),
+        "temperature": st.sampled_from(["fixed", "learned"]),
         "rollout_steps": st.integers(1, 200), "cycle_updates": st.integers(1, 20),
         "replay_size": st.integers(100, 400),
     },

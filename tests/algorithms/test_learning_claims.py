@@ -55,7 +55,7 @@ def test_matching_gradients_helps_on_cart_pole() -> None:
         "hybrid-td3",
         "sac",
         "hybrid-sac",
-    ],  # fmt: skip
+    ],
 )
 def test_every_learner_with_a_replay_solves_pendulum(algorithm: str) -> None:
     scores = normalised(algorithm, "Pendulum")

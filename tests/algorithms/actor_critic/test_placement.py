@@ -73,8 +73,12 @@ def sac(where: Setting, matching: Matching, place: Place) -> list[NDArray[Any]]:
     policy, value, first, second = (
         learned(not_small(shape, random)) for shape in (*shapes, shapes.critic)
     )
-    networks = placed(Networks(policy, value, (first, second)), place)
-    rates = sac_update.Rates(np.float32(GAMMA), np.float32(TAU), np.float32(5), 1e-3)
+    networks = placed(
+        Networks(policy, value, (first, second), learned(np.zeros(1, np.float32))), place
+    )
+    rates = sac_update.Rates(
+        np.float32(GAMMA), np.float32(TAU), np.float32(5), 1e-3, True, np.float32(-m)
+    )
     report = placed(sac_update.empty_report(UPDATES), place)
     noise = random.standard_normal((UPDATES, ROWS, m), np.float32)
     sac_update.update(
@@ -82,7 +86,7 @@ def sac(where: Setting, matching: Matching, place: Place) -> list[NDArray[Any]]:
         placed(where.coordinates, place), placed(where.scaling, place), rates, matching, shapes,
         report,
     )  # fmt: skip
-    pieces = (networks.policy, networks.value, *networks.critics, report)
+    pieces = (networks.policy, networks.value, *networks.critics, networks.temperature, report)
     return [array.copy() for each in pieces for array in each]
 
 
