@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from algorithms.actor_critic import ddpg_update, sac_update
 from algorithms.actor_critic.sac_update import Networks, Shapes
-from algorithms.matching.losses import Matching, matching_of
+from algorithms.matching.losses import COSINE, L2, ROBUST, Matching, matching_of
 from algorithms.networks.network import Shape
 from algorithms.networks.optimizer import learned
 from physics.randomness import generator
@@ -95,14 +95,14 @@ def rows() -> NDArray[np.int64]:
 
 
 @pytest.mark.parametrize("weights", [(0.0, 0.0), (0.7, 0.3)])
-@pytest.mark.parametrize("by_cosine", [False, True])
+@pytest.mark.parametrize("loss", [L2, COSINE, ROBUST])
 @pytest.mark.parametrize("run", [ddpg, sac])
 def test_bits_do_not_depend_on_where_arrays_lie(
     run: Callable[[Setting, Matching, Place], list[NDArray[Any]]],
-    by_cosine: bool,
+    loss: int,
     weights: tuple[float, float],
 ) -> None:
-    where, matching = setting("Acrobot"), matching_of(weights, by_cosine=by_cosine)
+    where, matching = setting("Acrobot"), matching_of(weights, loss)
     apart = run(where, matching, np.copy)
     for seed in range(40):
         for own, other in zip(run(where, matching, scattered(seed)), apart, strict=True):
