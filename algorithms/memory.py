@@ -66,7 +66,8 @@ def of_episodes(
 def episode_bytes(environment: "Environment", config: GDConfig) -> int:
     """Episodes as they come and stacked, and the network's pass over them."""
     n, m, inputs = environment.state_size, environment.action_size, environment.feature_size
-    one_step = 2 * DOUBLE * (n * (n + 2 * m + 2) + 2 * inputs) + 40 * config.hidden_units
+    units = config.hidden_units * config.hidden_layers
+    one_step = 2 * DOUBLE * (n * (n + 2 * m + 2) + 2 * inputs) + 20 * units
     return one_step * environment.horizon * config.episodes
 
 

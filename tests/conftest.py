@@ -1,5 +1,6 @@
 """Places for checkpoints: a folder, and a bucket of a store that speaks S3."""
 
+import signal
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -7,6 +8,12 @@ import pytest
 
 from tests.object_store import ObjectStore, forget_clients
 from workers.checkpoints.place import Place
+
+
+def pytest_configure() -> None:
+    """Undo what a shell does to a background job: it, and all that it starts, ignores Ctrl-C."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session")

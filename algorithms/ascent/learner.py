@@ -23,12 +23,13 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 
 from algorithms.ascent.episode_gradient import LinearizedEpisodes, live
-from algorithms.ascent.run import GDRun, shape_of
+from algorithms.ascent.run import GDRun
 from algorithms.early_end import EarlyEnd
 from algorithms.experience.evaluation import episode_returns
 from algorithms.experience.rollout import start_states
 from algorithms.failing_rows import call_each, early_end, found
 from algorithms.measurement import Measurement
+from algorithms.networks import network
 from algorithms.networks.policy import Policies
 from algorithms.networks.scaling import coordinates_of
 from algorithms.settings import GDConfig
@@ -52,7 +53,7 @@ class GDLearner:
         """Draw the initial actors."""
         self._environment = environment
         self._timesteps = timesteps
-        self._shape = shape_of(environment, config)
+        self._shape = network.shape_of(environment.feature_size, environment.action_size, config)
         coordinates = coordinates_of(environment)
         self._runs = [GDRun(environment, coordinates, seed, timesteps, config) for seed in seeds]
         self._by_seed = dict(zip(seeds, self._runs, strict=True))  # those that ended stay here

@@ -246,7 +246,7 @@ def first_plans(
     environment: Environment, seeds: Sequence[int], hidden_units: int
 ) -> tuple[Episodes, Failures]:
     """An episode of each seed's initial actor, which sees features as they are; and what failed."""
-    shape = Shape(environment.feature_size, hidden_units, environment.action_size)
+    shape = Shape(environment.feature_size, (hidden_units,) * 2, environment.action_size)
     mean = np.zeros(shape.inputs, np.float32)
     actors = [
         deterministic(

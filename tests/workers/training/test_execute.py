@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from algorithms.networks.policy import deterministic
-from algorithms.snapshot import Snapshot
+from algorithms.snapshot import Inside, Snapshot
 from tests.object_store import ObjectStore
 from tests.workers.fake_learner import CYCLE, FakeLearner, measurement_of
 from workers.checkpoints import bucket, sealed_file
@@ -349,7 +349,7 @@ def test_what_was_learned_by_the_end_is_left_where_its_place_answers_late(
 ) -> None:
     monkeypatch.setattr(cohort, "AGAIN_SECONDS", 0.001)
     unit = np.ones(3, np.float32)
-    learned = Snapshot(TIMESTEPS, 8, 1, deterministic(unit, unit, unit, 1))
+    learned = Snapshot(TIMESTEPS, 1, Inside((8, 8), "tanh"), deterministic(unit, unit, unit, 1))
     monkeypatch.setattr(FakeLearner, "snapshot", lambda self, seed: learned)
     silences, write = [8], DiskFolder.write
 
