@@ -5,7 +5,6 @@ import subprocess
 import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -49,8 +48,10 @@ def test_training_runs_for_fewer_seeds_and_timesteps(
 ) -> None:
     train = algorithms.train
 
-    def shortened(*names: str, seeds: Iterable[int], **options: Any) -> Iterator[Measurement]:
-        return train(*names, seeds=list(seeds)[:2], **{**options, "timesteps": 800})
+    def shortened(
+        algorithm: str, environment: str, seeds: Iterable[int], weights: tuple[float, float]
+    ) -> Iterator[Measurement]:
+        return train(algorithm, environment, list(seeds)[:2], weights, timesteps=800)
 
     monkeypatch.setattr(algorithms, "train", shortened, raising=False)
     (shown,) = blocks(ROOT / document, "python")
