@@ -15,6 +15,7 @@ from tests.docs.pages import PAGES, ROOT, blocks, name_of
 AS_SHOWN = ("docs/gymnasium.md", "docs/simulators.md")
 SHORTENED = ("README.md", "docs/training.md")
 ELSEWHERE = {
+    "docs/add-a-learner.md": "tests/algorithms/test_add_a_learner.py",
     "docs/add-a-task.md": "tests/physics/test_add_a_task.py",
     "docs/client.md": "tests/service/test_client.py",
 }
