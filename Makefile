@@ -8,7 +8,7 @@
 #   make fast        the tests that need neither Ray nor a browser                       7 min
 #   make cluster     the tests with a real local Ray                                     3 min
 #   make browser     the tests in a real Chromium                                        4 min
-#   make test-slow   the tests that learn whole curves and kill whole clusters           hours
+#   make test-slow   the tests that learn whole curves and kill whole clusters           an hour
 #
 #   make docs        build the documentation and serve it at http://127.0.0.1:8001       10 s
 #   make bench       speed beside peers (installs them)                                  an hour
