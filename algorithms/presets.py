@@ -99,7 +99,7 @@ TIMESTEPS = {
     "RollingDie": 60_000,
     "HalfCheetah": 200_000,
 }
-"""Of the learners with a replay: enough for ddpg to come to rest."""
+"""Of the learners with a replay: enough for ddpg to converge."""
 
 SETTINGS: Mapping[str, Mapping[str, Mapping[str, Any]]] = {
     "ddpg": {
