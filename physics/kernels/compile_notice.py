@@ -1,4 +1,4 @@
-"""Compile notice: whoever waits for kernels to be compiled is told so, on stderr.
+"""Compile notice: says on stderr that kernels are being compiled.
 
     compiling kernels for Pendulum (once on this machine) ........ 2.1 s
 
