@@ -14,11 +14,12 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 import os
 import time
 import uuid
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Literal, Self, TypeVar
@@ -27,7 +28,7 @@ import httpx2
 from pydantic import BaseModel
 
 from service.analysis.figures.figure_form import Form
-from service.analysis.figures.paper_figure import Number
+from service.analysis.figures.paper_figure import FigureNumber
 from service.api.schemas.curves_answer import CurvesAnswer
 from service.api.schemas.measurements_answer import MeasurementsAnswer
 from service.api.schemas.page import Page
@@ -39,10 +40,12 @@ from service.api.schemas.statistics_answer import StatisticsAnswer
 from service.api.schemas.sweep_answer import DryRunAnswer, SweepAnswer
 from service.api.schemas.sweep_request import SweepRequest
 from service.model.move import Move
+from service.model.run_name import is_run
 
 API = "/api/v1"
 
 Option = str | bool | int
+TableText = Literal["csv", "markdown", "latex"]
 Answer = TypeVar("Answer", bound=BaseModel)
 Request = SweepRequest | Mapping[str, Any]
 
@@ -192,9 +195,7 @@ class Client:
         """What a sweep says of its entries over all tasks; options as in the REST call."""
         return self._get(StatisticsAnswer, f"/sweeps/{sweep_id}/statistics", **options)
 
-    def table_text(
-        self, sweep_id: str, form: Literal["csv", "markdown", "latex"], **options: Option
-    ) -> str:
+    def table_text(self, sweep_id: str, form: TableText, **options: Option) -> str:
         """The same table, written."""
         path, params = f"/sweeps/{sweep_id}/table", {**options, "format": form}
         return self._call("GET", path, params=params).text
@@ -203,7 +204,7 @@ class Client:
         self,
         sweep_id: str,
         form: Form = "png",
-        number: Number | None = None,
+        number: FigureNumber | None = None,
         **options: Option,
     ) -> bytes:
         """A figure as a file's bytes: every curve of the sweep, or one of the paper's figures."""
@@ -279,15 +280,29 @@ class Client:
 
 
 def as_json(request: Request) -> dict[str, Any]:
-    """What is posted: of a model the fields that were set, a mapping as it stands."""
+    """What is posted: of a model the fields that were set, a mapping as it stands.
+
+    Raises ServiceError, with every value that JSON cannot say.
+    """
     if isinstance(request, SweepRequest):
         return request.model_dump(mode="json", exclude_unset=True)
+    if faults := list(_unsayable("", request)):
+        raise ServiceError(faults_text(faults))
     return dict(request)
 
 
-def is_run(identifier: str) -> bool:
-    """Whether an id is a run's (`<sweep>-<number>`) and not a sweep's."""
-    return "-" in identifier
+def _unsayable(field: str, value: object) -> Iterator[str]:
+    """What is wrong with values that JSON cannot say, each with its field."""
+    if isinstance(value, Mapping):
+        for name, each in value.items():
+            yield from _unsayable(f"{field}.{name}" if field else str(name), each)
+    elif isinstance(value, list | tuple):
+        for place, each in enumerate(value):
+            yield from _unsayable(f"{field}[{place}]", each)
+    elif isinstance(value, float) and not math.isfinite(value):
+        yield f"{field}: is {value}, where a finite number is expected"
+    elif not isinstance(value, str | int | float | None):
+        yield f"{field}: is a {type(value).__name__}, which cannot be sent as JSON"
 
 
 def path_of(identifier: str) -> str:
@@ -309,10 +324,17 @@ def problem_text(response: httpx2.Response) -> str:
     except ValueError:
         return f"The service answered {response.status_code}: {response.text[:500]}"
     faults = [
-        f"  {error.get('field') or error.get('pointer') or ''}: {error.get('message', error)}"
+        f"{error.get('field') or error.get('pointer') or ''}: {error.get('message', error)}"
         for error in problem.get("errors") or []
         if isinstance(error, dict)
     ]
     if len(faults) > 1:  # the detail is the first of them
-        return "\n".join([f"{len(faults)} things are wrong:", *faults])
+        return faults_text(faults)
     return str(problem.get("detail") or problem.get("title") or response.status_code)
+
+
+def faults_text(faults: Sequence[str]) -> str:
+    """What is wrong with a request: one thing in a line, several in a list."""
+    if len(faults) == 1:
+        return faults[0]
+    return "\n".join([f"{len(faults)} things are wrong:", *(f"  {fault}" for fault in faults)])

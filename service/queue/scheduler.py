@@ -27,12 +27,12 @@ from service.queue.messages import (
     Command,
     Demand,
     Drop,
-    Event,
     Fail,
     Kill,
     Lose,
     LoseExpired,
     PoolLost,
+    QueueEvent,
     Record,
     Recorded,
     Release,
@@ -44,7 +44,7 @@ from service.queue.messages import (
 )
 from workers.messages.report import Busy, Capacity, Ended, Failed, Lost, News, Ready, Retired
 from workers.messages.run_spec import COHORT_LIMIT
-from workers.messages.work import Work
+from workers.messages.work import LEASE_SECONDS, Work
 
 REPORTS_A_SECOND = 200
 """Of all workers together. Where there are more, each reports less often: what they measure comes
@@ -76,7 +76,7 @@ class DispatchTimes:
 
     report: float = 1.0
     longest_report: float = 5.0
-    lease: float = 15.0
+    lease: float = LEASE_SECONDS
     grace: float = 5.0
     round: float = 0.1
     expiry: float = 1.0
@@ -146,7 +146,7 @@ Step = tuple[State, list[Command]]
 
 
 def step(  # noqa: PLR0911, PLR0912  (one an event)
-    state: State, event: Event, now: float, times: DispatchTimes
+    state: State, event: QueueEvent, now: float, times: DispatchTimes
 ) -> Step:
     """Take one event into account, and say what is to be done."""
     match event:
@@ -155,8 +155,9 @@ def step(  # noqa: PLR0911, PLR0912  (one an event)
         case Ready(worker):
             known = worker in state.idle or worker in state.cohorts
             return _up(state) if known else _free(_up(state), worker), []
-        case Busy(worker, cohort, note) if worker not in state.cohorts:
-            return _with(_up(state), worker, Cohort(cohort, Claim.from_json(note), now)), []
+        case Busy(worker, work) if worker not in state.cohorts:
+            claim = Claim(worker, work.lease_seconds, work.runs)
+            return _with(_up(state), worker, Cohort(work.cohort, claim, now)), []
         case News(worker, cohort) if _trains(state, worker, cohort):
             heard = replace(state.cohorts[worker], heard_at=now)
             return _with(state, worker, heard), [Record(heard.claim, event)]
@@ -339,9 +340,9 @@ def _claimed(
     state = _with(state, worker, cohort)
     work = Work(
         cohort.name,
-        claim.assignments,
-        not is_known,
-        note=claim.to_json(),
+        claim.runs,
+        claim.lease_seconds,
+        measure_random_return=not is_known,
         report_seconds=_report_seconds(state, times),
     )
     return state, [Train(worker, work)]

@@ -23,12 +23,12 @@ from service.queue.messages import (
     Command,
     Demand,
     Drop,
-    Event,
     Fail,
     Kill,
     Lose,
     LoseExpired,
     PoolLost,
+    QueueEvent,
     Record,
     Recorded,
     Release,
@@ -196,7 +196,7 @@ class Simulation:
         """Note what happened, for whoever reads of a failure."""
         self.story.append(f"{self.now:.2f} {happened}"[:300])
 
-    def give(self, *happenings: Event) -> None:
+    def give(self, *happenings: QueueEvent) -> None:
         """Have the scheduler take events into account."""
         commands: list[Command] = []
         for happening in happenings:
@@ -253,7 +253,7 @@ class Simulation:
             case _:
                 return set()
 
-    def do(self, together: Sequence[Command]) -> list[Event]:
+    def do(self, together: Sequence[Command]) -> list[QueueEvent]:
         """Do what `service/queue/dispatch.py` does."""
         records = [command for command in together if isinstance(command, Record)]
         if records:
@@ -268,7 +268,7 @@ class Simulation:
         answer = self.do_one(together[0])
         return [] if answer is None else [answer]
 
-    def do_one(self, command: Command) -> Event | None:
+    def do_one(self, command: Command) -> QueueEvent | None:
         match command:
             case Lose(claim, reason, log_tail):
                 self.store.lose(claim, reason, log_tail)

@@ -98,8 +98,8 @@ def _leave() -> None:
 RemoteWorker: Any = ray.remote(Worker)
 
 
-class Slot:
-    """One worker at a time, on one node and a thread of its own."""
+class ActorSlot:
+    """A Slot of the pool: one actor at a time, on one node and a thread of its own."""
 
     def __init__(
         self,
@@ -118,7 +118,7 @@ class Slot:
         self._checkpoints = checkpoints
         self._logs = logs
         self._send = send
-        self._work: queue.SimpleQueue[dict[str, Any] | None] = queue.SimpleQueue()  # None: retire
+        self._work: queue.SimpleQueue[Work | None] = queue.SimpleQueue()  # None: retire
         self._actor: Any = None
         self._cohort = ""
         self._is_up = False
@@ -132,7 +132,7 @@ class Slot:
         since = self._idle_since
         return 0.0 if since is None else time.monotonic() - since
 
-    def train(self, work: dict[str, Any]) -> None:
+    def train(self, work: Work) -> None:
         """Give the worker a cohort."""
         self._idle_since = None
         self._work.put(work)
@@ -206,13 +206,13 @@ class Slot:
         self._send(to_line(Retired(self.worker)))
         self.kill()
 
-    def _train(self, work: dict[str, Any]) -> None:
+    def _train(self, work: Work) -> None:
         self._idle_since = None
-        self._cohort = work["cohort"]
-        self._send(to_line(Busy(self.worker, self._cohort, work["note"])))
+        self._cohort = work.cohort
+        self._send(to_line(Busy(self.worker, work)))
         stream = self._actor.train.options(
             num_returns="streaming", _generator_backpressure_num_objects=UNREAD_LIMIT
-        ).remote(work)
+        ).remote(work.to_json())
         for line in stream:
             self._send(ray.get(line))
 

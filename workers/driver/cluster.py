@@ -17,7 +17,7 @@ from typing import Any
 import ray
 from ray.autoscaler.sdk import request_resources
 
-from workers.driver.actor import Slot
+from workers.driver.actor import ActorSlot
 from workers.driver.actor_pool import ActorPool
 from workers.driver.outbox import Outbox
 from workers.driver.placement import Bounds, Node, room
@@ -66,9 +66,9 @@ class RayCluster:
         nodes = [Node(n["NodeID"], room(n["Resources"], self._worker_bytes)) for n in living]
         return [node for node in nodes if node.room > 0]
 
-    def make_slot(self, node: Node) -> Slot:
+    def make_slot(self, node: Node) -> ActorSlot:
         """Begin to bring a worker up there."""
-        return Slot(
+        return ActorSlot(
             node, self._names, self._logs, self._checkpoints, self._send, self._worker_bytes
         )
 

@@ -28,7 +28,7 @@ from workers.checkpoints.place import Place
 from workers.driver.outbox import read_spool
 from workers.driver.placement import Bounds
 from workers.messages.log_tail import log_tail
-from workers.messages.report import Report, from_line
+from workers.messages.report import FORMAT, Report, from_line
 from workers.messages.work import Work
 from workers.pool.environment import pool_environment
 from workers.pool.pool import PoolUnavailableError
@@ -238,6 +238,7 @@ class PoolProcess:
 
     def _described(self) -> dict[str, Any]:
         return {
+            "format": FORMAT,
             "process": self._process_id,
             "scratch": self._scratch,
             "bounds": asdict(self._settings.bounds),

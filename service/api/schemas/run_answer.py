@@ -7,9 +7,12 @@ from typing import Any, Self
 from pydantic import BaseModel, ConfigDict, Field
 
 from service.api.schemas.number import Numbers
+from service.model.move import TRANSITIONS
 from service.model.run import Attempt, Run, RunStatus
+from workers.messages.run_spec import Weights
 
-MOVES = ("cancel", "pause", "resume", "retry")
+MOVES = tuple(TRANSITIONS)
+STARTING = "its kernels are loaded, or compiled at first use"
 
 
 class WeightsAnswer(BaseModel):
@@ -17,6 +20,16 @@ class WeightsAnswer(BaseModel):
 
     w1: float
     w2: float
+
+    @classmethod
+    def of(cls, weights: Weights) -> Self:
+        """Show weights."""
+        return cls(**weights._asdict())
+
+    @property
+    def pair(self) -> Weights:
+        """The weights that are shown."""
+        return Weights(self.w1, self.w2)
 
 
 class RunAnswer(BaseModel):
@@ -83,6 +96,17 @@ class RunAnswer(BaseModel):
     memory_bytes: int | None = Field(description="What it may come to fill in its worker.")
     links: dict[str, str]
 
+    @property
+    def is_starting(self) -> bool:
+        """Whether its worker still loads or compiles its kernels: nothing was trained yet."""
+        begun_at = self.timestep if self.resumed_timestep is None else self.resumed_timestep
+        return self.status is RunStatus.RUNNING and self.timestep <= begun_at
+
+    @property
+    def remark(self) -> str:
+        """Its reason; while it is starting, that it is."""
+        return self.reason or (STARTING if self.is_starting else "")
+
     @classmethod
     def of(cls, run: Run, label: str) -> Self:
         """Show a run of the entry of that name."""
@@ -96,7 +120,7 @@ class RunAnswer(BaseModel):
             environment=spec.environment,
             environment_version=run.environment_version,
             seed=spec.seed,
-            weights=WeightsAnswer(w1=spec.weights[0], w2=spec.weights[1]),
+            weights=WeightsAnswer.of(spec.weights),
             config=spec.config,
             timesteps=spec.timesteps,
             timestep=run.timestep,

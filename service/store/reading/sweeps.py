@@ -20,6 +20,7 @@ from service.model.run import ACTIVE, RunStatus
 from service.model.sweep import RunCounts, Sweep, SweepStatus
 from service.store.column_types import now
 from service.store.reading import events, random_returns
+from service.store.reading.runs import columns_of
 from service.store.refusal import NotFoundError, SubmissionKeyReusedError
 from service.store.tables import runs, sweeps
 from workers.messages.run_spec import RunSpec
@@ -63,14 +64,8 @@ def create(
             "sweep_number": number,
             "ordinal": ordinal,
             "cell": cells[spec.cell],
-            "algorithm": spec.algorithm,
-            "environment": spec.environment,
             "environment_version": environment_versions[spec.environment],
-            "seed": spec.seed,
-            "w1": spec.weights[0],
-            "w2": spec.weights[1],
-            "config": spec.config,
-            "timesteps": spec.timesteps,
+            **columns_of(spec),
         }
         for ordinal, spec in enumerate(specs)
     ]

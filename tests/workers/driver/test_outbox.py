@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from workers.driver.outbox import GREETING, Outbox, read_spool
+from workers.messages.assignment import Assignment
 from workers.messages.progress import Progress
 from workers.messages.report import (
     Busy,
@@ -18,9 +19,11 @@ from workers.messages.report import (
     from_line,
     to_line,
 )
+from workers.messages.run_spec import RunSpec
+from workers.messages.work import Work
 
 READY = Ready("worker-1", 4711, "here")
-BUSY = Busy("worker-1", "a-0/1", {"note": 1})
+BUSY = Busy("worker-1", Work("a-0/1", (Assignment("a-0", 1, RunSpec("ddpg", "Pendulum", 0), 1),)))
 NEWS = [News("worker-1", "a-0/1", Progress(800 * step)) for step in range(1, 4)]
 ENDED = Ended("worker-1", "a-0/1")
 
@@ -105,12 +108,14 @@ def test_what_nobody_heard_is_in_the_spool_until_it_is_recorded(
     [
         to_line(NEWS[1])[:40],
         to_line(NEWS[1]).replace("cohort", "cohorx"),
-        to_line(ENDED).replace("worker", "workes"),
+        to_line(ENDED).replace("cohort", "cohorx"),
         to_line(ENDED).replace("ended", "ender"),
         "3",
-        "[]",
-        "{}",
-        '{"kind": []}',
+        "ended",
+        "ended worker-1",
+        "ended worker-1 []",
+        "ended worker-1 {}",
+        '{"kind": "ended"}',
     ],
 )
 def test_a_damaged_line_is_left_out(spool: Path, damaged: str) -> None:
