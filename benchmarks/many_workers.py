@@ -18,7 +18,7 @@ from pathlib import Path
 from benchmarks.simulated.pool import POINTS, PretendedPool
 from benchmarks.simulated.processor_time import ProcessorTime
 from service.queue.dispatch import Dispatcher
-from service.queue.scheduler import DispatchTimes
+from service.queue.dispatch_state import DispatchTimes
 from service.store.store import Store
 from tests.service.store.postgresql import running_postgresql
 from workers.messages.run_spec import COHORT_LIMIT, RunSpec, Weights

@@ -19,6 +19,7 @@ import structlog
 from service.metrics import DISPATCH_SECONDS
 from service.model.claim import CellLimit, no_limit
 from service.queue.batch import next_together, take_next
+from service.queue.dispatch_state import DispatchTimes, State
 from service.queue.messages import (
     AskCancelling,
     AskWaiting,
@@ -42,7 +43,7 @@ from service.queue.messages import (
     Train,
     Waiting,
 )
-from service.queue.scheduler import DispatchTimes, State, step
+from service.queue.scheduler import step
 from service.store.store import Store
 from service.store.upkeep.trouble import explain
 from workers.pool.pool import Pool, PoolUnavailableError

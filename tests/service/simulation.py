@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 
 from service.model.run import FINAL
 from service.queue.batch import next_together
+from service.queue.dispatch_state import DispatchTimes, State
 from service.queue.messages import (
     AskCancelling,
     AskWaiting,
@@ -37,7 +38,7 @@ from service.queue.messages import (
     Train,
     Waiting,
 )
-from service.queue.scheduler import DispatchTimes, State, step
+from service.queue.scheduler import step
 from service.store.claiming.retry import RetryPolicy
 from service.store.store import Store
 from tests.service.fake_pool import CYCLE, FakeWorker

@@ -11,7 +11,7 @@ from service.model.move import TRANSITIONS
 from service.model.run import Attempt, Run, RunStatus
 from workers.messages.run_spec import Weights
 
-MOVES = tuple(TRANSITIONS)
+MOVES: tuple[str, ...] = tuple(TRANSITIONS)
 STARTING = "its kernels are loaded, or compiled at first use"
 
 
@@ -110,39 +110,22 @@ class RunAnswer(BaseModel):
     @classmethod
     def of(cls, run: Run, label: str) -> Self:
         """Show a run of the entry of that name."""
-        spec = run.spec
         link = f"/api/v1/runs/{run.id}"
-        return cls(
-            id=run.id,
-            sweep_id=run.sweep_id,
-            label=label,
-            algorithm=spec.algorithm,
-            environment=spec.environment,
-            environment_version=run.environment_version,
-            seed=spec.seed,
-            weights=WeightsAnswer.of(spec.weights),
-            config=spec.config,
-            timesteps=spec.timesteps,
-            timestep=run.timestep,
-            status=run.status,
-            is_cancelling=run.is_cancelling,
-            reason=run.reason,
-            attempt=run.attempt,
-            created_at=as_time(run.created_at),
-            started_at=None if run.started_at is None else as_time(run.started_at),
-            finished_at=None if run.finished_at is None else as_time(run.finished_at),
-            fingerprint=run.fingerprint,
-            resumed_timestep=run.resumed_timestep,
-            checkpoint_timestep=run.checkpoint_timestep,
-            memory_bytes=run.memory_bytes,
-            links={
-                "self": link,
-                "sweep": f"/api/v1/sweeps/{run.sweep_id}",
-                "measurements": f"{link}/measurements",
-                "attempts": f"{link}/attempts",
-                **{move: f"{link}/{move}" for move in MOVES},
-            },
-        )
+        links = {
+            "self": link,
+            "sweep": f"/api/v1/sweeps/{run.sweep_id}",
+            "measurements": f"{link}/measurements",
+            "attempts": f"{link}/attempts",
+            **{move: f"{link}/{move}" for move in MOVES},
+        }
+        shown: dict[str, Any] = {
+            **run.spec.to_json(),
+            **vars(run),
+            **times(run),
+            "label": label,
+            "links": links,
+        }
+        return cls.model_validate(shown)
 
 
 class ListedRunAnswer(RunAnswer):
@@ -191,18 +174,13 @@ class AttemptAnswer(BaseModel):
     @classmethod
     def of(cls, attempt: Attempt) -> Self:
         """Show an attempt."""
-        return cls(
-            attempt=attempt.attempt,
-            worker=attempt.worker,
-            outcome=attempt.outcome,
-            error=attempt.error,
-            log_tail=attempt.log_tail,
-            started_at=as_time(attempt.started_at),
-            ended_at=None if attempt.ended_at is None else as_time(attempt.ended_at),
-            fingerprint=attempt.fingerprint,
-            resumed_timestep=attempt.resumed_timestep,
-            note=attempt.note,
-        )
+        return cls.model_validate({**vars(attempt), **times(attempt)})
+
+
+def times(noun: Run | Attempt) -> dict[str, datetime | None]:
+    """Return the times of a noun, by the names of their fields."""
+    told = {name: value for name, value in vars(noun).items() if name.endswith("_at")}
+    return {name: None if value is None else as_time(value) for name, value in told.items()}
 
 
 def as_time(seconds: float) -> datetime:

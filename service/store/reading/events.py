@@ -10,6 +10,7 @@ from service.model.event import Event
 from service.model.run import RunStatus
 from service.model.run_name import RunName
 from service.store.column_types import now
+from service.store.reading.rows import noun_of
 from service.store.tables import events, sweeps
 from service.store.upkeep.copy_in import copy_in
 
@@ -81,10 +82,7 @@ def after(
     if sweep_id is not None:
         number = select(sweeps.c.number).where(sweeps.c.id == sweep_id).scalar_subquery()
         query = query.where(events.c.sweep_number == number)
-    return [
-        Event(row.id, row.sweep_id, row.kind, row.payload, row.created_at)
-        for row in connection.execute(query)
-    ]
+    return [noun_of(Event, row) for row in connection.execute(query)]
 
 
 def last_id(connection: Connection) -> int:

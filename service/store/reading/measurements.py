@@ -13,6 +13,7 @@ from service.model.run import RunStatus
 from service.model.run_curve import RETURNS, RunCurve
 from service.model.run_name import RunName
 from service.store.reading import diagnostics
+from service.store.reading.rows import noun_of
 from service.store.reading.runs import named, spec_of
 from service.store.tables import measurements, runs, sweeps
 from service.store.upkeep.copy_in import copy_in
@@ -117,16 +118,10 @@ def of_run(connection: Connection, run_id: str) -> list[Measurement]:
     )
     names = diagnostics.sets(connection)
     return [
-        Measurement(
-            seed=row.seed,
-            timestep=row.timestep,
-            return_mean=row.return_mean,
-            return_history=row.return_history,
-            updates=row.updates,
-            jacobians=row.jacobians,
-            seconds=row.seconds,
+        noun_of(
+            Measurement,
+            row,
             diagnostics=diagnostics.unpack(names[row.diagnostic_set], row.diagnostics),
-            compile_seconds=row.compile_seconds,
         )
         for row in connection.execute(query)
     ]
@@ -237,11 +232,5 @@ def _driver_rows(connection: Connection, query: Select[Any]) -> list[tuple[Any, 
 def _curve(
     row: Row[Any], sweep_id: str, x: NDArray[np.float64], values: NDArray[np.float64]
 ) -> RunCurve:
-    return RunCurve(
-        run_id=str(RunName(sweep_id, row.ordinal)),
-        spec=spec_of(row),
-        environment_version=row.environment_version,
-        status=RunStatus(row.status),
-        x=x,
-        values=values,
-    )
+    name, status = str(RunName(sweep_id, row.ordinal)), RunStatus(row.status)
+    return noun_of(RunCurve, row, run_id=name, spec=spec_of(row), status=status, x=x, values=values)

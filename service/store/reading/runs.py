@@ -6,6 +6,7 @@ from sqlalchemy import ColumnElement, Connection, Row, Select, false, func, sele
 
 from service.model.run import Attempt, Run, RunStatus
 from service.model.run_name import RunName
+from service.store.reading.rows import noun_of
 from service.store.reading.run_order import AS_MADE, RunOrder
 from service.store.refusal import NotFoundError
 from service.store.tables import attempts, is_running, runs, sweeps
@@ -61,21 +62,7 @@ def history(connection: Connection, run_id: str) -> list[Attempt]:
         .where(named(run_id))
         .order_by(attempts.c.attempt)
     )
-    return [
-        Attempt(
-            attempt=row.attempt,
-            worker=row.worker,
-            outcome=row.outcome,
-            error=row.error,
-            log_tail=row.log_tail,
-            started_at=row.started_at,
-            ended_at=row.ended_at,
-            fingerprint=row.fingerprint,
-            resumed_timestep=row.resumed_timestep,
-            note=row.note,
-        )
-        for row in connection.execute(query)
-    ]
+    return [noun_of(Attempt, row) for row in connection.execute(query)]
 
 
 def count(connection: Connection) -> dict[str, int]:
@@ -114,36 +101,13 @@ def _select() -> Select[Any]:
 
 
 def _run(row: Row[Any]) -> Run:
-    return Run(
-        id=str(RunName(row.sweep_id, row.ordinal)),
-        sweep_id=row.sweep_id,
-        spec=spec_of(row),
-        environment_version=row.environment_version,
-        status=RunStatus(row.status),
-        reason=row.reason,
-        attempt=row.attempt,
-        timestep=row.timestep,
-        is_cancelling=row.is_cancelling,
-        created_at=row.created_at,
-        started_at=row.started_at,
-        finished_at=row.finished_at,
-        fingerprint=row.fingerprint,
-        checkpoint_timestep=row.checkpoint_timestep,
-        resumed_timestep=row.resumed_timestep,
-        memory_bytes=row.memory_bytes,
-    )
+    name = str(RunName(row.sweep_id, row.ordinal))
+    return noun_of(Run, row, id=name, spec=spec_of(row), status=RunStatus(row.status))
 
 
 def spec_of(row: Row[Any]) -> RunSpec:
     """Read the spec off a row of `runs`."""
-    return RunSpec(
-        algorithm=row.algorithm,
-        environment=row.environment,
-        seed=row.seed,
-        weights=Weights(row.w1, row.w2),
-        timesteps=row.timesteps,
-        config=row.config,
-    )
+    return noun_of(RunSpec, row, weights=Weights(row.w1, row.w2))
 
 
 def columns_of(spec: RunSpec) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from service.model.claim import Claim
 from service.model.run import Run, RunStatus
 from service.model.sweep import RunCounts, Sweep
 from service.queue.dispatch import Dispatcher
-from service.queue.scheduler import DispatchTimes
+from service.queue.dispatch_state import DispatchTimes
 from service.store.claiming.retry import RetryPolicy
 from service.store.store import Store
 from tests.service.fake_pool import CYCLE, FakePool, measurement_of

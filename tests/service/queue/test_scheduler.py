@@ -16,6 +16,7 @@ from service.model.claim import Claim
 from service.model.move import TRANSITIONS, Move
 from service.model.run import FINAL, RunStatus
 from service.model.run_name import RunName
+from service.queue.dispatch_state import DispatchTimes, State
 from service.queue.messages import (
     ClaimCohort,
     Claimed,
@@ -26,7 +27,7 @@ from service.queue.messages import (
     Tick,
     Waiting,
 )
-from service.queue.scheduler import NO_ROOM, WORKERS_STARTING, DispatchTimes, State, step
+from service.queue.scheduler import NO_ROOM, WORKERS_STARTING, step
 from service.store import records
 from service.store.claiming import claims, endings, moves
 from service.store.tables import is_running

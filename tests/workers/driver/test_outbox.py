@@ -37,10 +37,13 @@ class Listener:
         self._theirs = theirs
         self._lines = self._ours.makefile("rb")
         outbox.attach(theirs)
-        assert self._lines.readline().decode().strip() == GREETING
+        assert self.line() == GREETING
+
+    def line(self) -> str:
+        return self._lines.readline().decode().strip()
 
     def hear(self, count: int) -> list[Report]:
-        return [from_line(self._lines.readline()) for _ in range(count)]
+        return [from_line(self.line()) for _ in range(count)]
 
     def close(self) -> None:
         for end in (self._lines, self._ours, self._theirs):
@@ -143,3 +146,13 @@ def test_what_the_cluster_has_room_for_is_told_to_every_listener(outbox: Outbox)
     second = Listener(outbox)
     assert second.hear(2) == [Capacity(2, slots=1), READY]
     second.close()
+
+
+def test_a_line_is_passed_on_unread(outbox: Outbox) -> None:
+    """Between worker and service nobody parses a report."""
+    outbox.put("news worker-1 {this is no JSON")
+    listener = Listener(outbox)
+    assert listener.line() == "news worker-1 {this is no JSON"
+    outbox.acknowledge(1)
+    outbox.detach()
+    listener.close()
