@@ -286,7 +286,11 @@ def as_json(request: Request) -> dict[str, Any]:
     """
     if isinstance(request, SweepRequest):
         return request.model_dump(mode="json", exclude_unset=True)
-    if faults := list(_unsayable("", request)):
+    try:
+        faults = list(_unsayable("", request))
+    except RecursionError:
+        raise ServiceError("The request contains itself.") from None
+    if faults:
         raise ServiceError(faults_text(faults))
     return dict(request)
 

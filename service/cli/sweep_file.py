@@ -17,6 +17,7 @@ import yaml
 
 Json = dict[str, Any]
 
+LARGEST_WHOLE = 2**53  # beyond, a float is not the number that was written
 DIGITS = "0123456789"
 SCALARS = {
     "null": (r"~|null|Null|NULL|", ["~", "n", "N", ""]),
@@ -40,6 +41,12 @@ class SweepLoader(yaml.SafeLoader):
         text = self.construct_scalar(node).replace("_", "")
         return int(text, 0) if text.startswith(("0o", "0x")) else int(text)
 
+    def construct_number(self, node: yaml.ScalarNode) -> float:
+        """Return a number; a whole one where it is written without a point, as in `2e4`."""
+        value: float = self.construct_yaml_float(node)
+        is_whole = "." not in node.value and value.is_integer() and abs(value) <= LARGEST_WHOLE
+        return int(value) if is_whole else value
+
 
 SweepLoader.yaml_implicit_resolvers = {}  # of YAML 1.1, which it would inherit
 for tag, (pattern, beginnings) in SCALARS.items():
@@ -47,6 +54,7 @@ for tag, (pattern, beginnings) in SCALARS.items():
         f"tag:yaml.org,2002:{tag}", re.compile(rf"(?:{pattern})\Z"), beginnings
     )
 SweepLoader.add_constructor("tag:yaml.org,2002:int", SweepLoader.construct_whole)
+SweepLoader.add_constructor("tag:yaml.org,2002:float", SweepLoader.construct_number)
 
 
 def read_request(file: Path) -> Json:
@@ -56,7 +64,7 @@ def read_request(file: Path) -> Json:
         request = yaml.load(text, SweepLoader)  # noqa: S506  (a safe loader)
     except OSError as error:
         raise typer.BadParameter(f"cannot read {file}: {error.strerror}") from error
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
+    except (yaml.YAMLError, ValueError) as error:  # no UTF-8; a number of thousands of digits
         raise typer.BadParameter(f"{file} is not YAML: {error}") from error
     if not isinstance(request, dict):
         raise typer.BadParameter(

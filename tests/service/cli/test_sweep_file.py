@@ -25,7 +25,11 @@ def test_a_request_is_read_as_it_stands(tmp_path: Path) -> None:
     ("text", "value"),
     [
         ("1e-4", 1e-4),
-        ("1E4", 1e4),
+        ("1E4", 10_000),
+        ("-2e3", -2000),
+        ("1e300", 1e300),
+        ("1e-400", 0),
+        ("2.0e4", 20_000.0),
         ("-2.5e3", -2500.0),
         ("+1.e+2", 100.0),
         (".5", 0.5),
@@ -59,7 +63,12 @@ def test_what_stands_twice_may_be_named(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("content", "reason"), [("a: [", "not YAML"), ("- 1\n", "must hold a mapping")]
+    ("content", "reason"),
+    [
+        ("a: [", "not YAML"),
+        (f"a: {'9' * 5000}", "not YAML"),
+        ("- 1\n", "must hold a mapping"),
+    ],
 )
 def test_a_bad_file_is_refused_by_name(tmp_path: Path, content: str, reason: str) -> None:
     with pytest.raises(typer.BadParameter, match=f"sweep.yaml.*{reason}"):
@@ -74,12 +83,18 @@ def test_a_missing_file_is_refused() -> None:
 def test_a_small_number_reaches_the_service(d3pg: Command, service: Client) -> None:
     content = (
         "algorithms: [{name: hybrid-ddpg, weights: {w1: 1e-3, w2: 0}, config: {noise: 2e-1}}]\n"
-        "environments: [Pendulum]\nseeds: 1\ntimesteps: 800\n"
+        "environments: [Pendulum]\nseeds: 1\ntimesteps: 8e2\n"
     )
     d3pg("submit", "-", stdin=content)
     [sweep] = service.sweeps()
     [run] = service.runs(sweep.id)
-    assert (run.weights.w1, run.config["noise"]) == (1e-3, 0.2)
+    assert (run.weights.w1, run.config["noise"], run.timesteps) == (1e-3, 0.2, 800)
+
+
+def test_a_request_that_contains_itself_is_refused(d3pg: Command, service: Client) -> None:
+    said = d3pg("submit", "-", code=1, stdin="algorithms: &all [*all]\n")
+    assert str(said.exception) == "The request contains itself."
+    assert list(service.sweeps()) == []
 
 
 def test_what_json_cannot_say_is_told_all_at_once(d3pg: Command, service: Client) -> None:
