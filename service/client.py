@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import csv
 import io
-import math
 import os
 import time
 import uuid
@@ -31,6 +30,7 @@ from service.analysis.figures.figure_form import Form
 from service.analysis.figures.paper_figure import FigureNumber
 from service.api.schemas.curves_answer import CurvesAnswer
 from service.api.schemas.measurements_answer import MeasurementsAnswer
+from service.api.schemas.number import unsayable
 from service.api.schemas.page import Page
 from service.api.schemas.readiness_answer import ReadinessAnswer
 from service.api.schemas.rollout_answer import RolloutAnswer
@@ -287,26 +287,12 @@ def as_json(request: Request) -> dict[str, Any]:
     if isinstance(request, SweepRequest):
         return request.model_dump(mode="json", exclude_unset=True)
     try:
-        faults = list(_unsayable("", request))
+        faults = list(unsayable("", request))
     except RecursionError:
         raise ServiceError("The request contains itself.") from None
     if faults:
         raise ServiceError(faults_text(faults))
     return dict(request)
-
-
-def _unsayable(field: str, value: object) -> Iterator[str]:
-    """What is wrong with values that JSON cannot say, each with its field."""
-    if isinstance(value, Mapping):
-        for name, each in value.items():
-            yield from _unsayable(f"{field}.{name}" if field else str(name), each)
-    elif isinstance(value, list | tuple):
-        for place, each in enumerate(value):
-            yield from _unsayable(f"{field}[{place}]", each)
-    elif isinstance(value, float) and not math.isfinite(value):
-        yield f"{field}: is {value}, where a finite number is expected"
-    elif not isinstance(value, str | int | float | None):
-        yield f"{field}: is a {type(value).__name__}, which cannot be sent as JSON"
 
 
 def path_of(identifier: str) -> str:
