@@ -18,7 +18,7 @@ import os
 import time
 import uuid
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Literal, Self, TypeVar
@@ -27,9 +27,10 @@ import httpx2
 from pydantic import BaseModel
 
 from service.analysis.figures.figure_form import Form
-from service.analysis.figures.paper_figure import Number
+from service.analysis.figures.paper_figure import FigureNumber
 from service.api.schemas.curves_answer import CurvesAnswer
 from service.api.schemas.measurements_answer import MeasurementsAnswer
+from service.api.schemas.number import unsayable
 from service.api.schemas.page import Page
 from service.api.schemas.readiness_answer import ReadinessAnswer
 from service.api.schemas.rollout_answer import RolloutAnswer
@@ -39,10 +40,12 @@ from service.api.schemas.statistics_answer import StatisticsAnswer
 from service.api.schemas.sweep_answer import DryRunAnswer, SweepAnswer
 from service.api.schemas.sweep_request import SweepRequest
 from service.model.move import Move
+from service.model.run_name import is_run
 
 API = "/api/v1"
 
 Option = str | bool | int
+TableText = Literal["csv", "markdown", "latex"]
 Answer = TypeVar("Answer", bound=BaseModel)
 Request = SweepRequest | Mapping[str, Any]
 
@@ -249,9 +252,7 @@ class Client:
         """
         return self._get(StatisticsAnswer, f"/sweeps/{sweep_id}/statistics", **options)
 
-    def table_text(
-        self, sweep_id: str, form: Literal["csv", "markdown", "latex"], **options: Option
-    ) -> str:
+    def table_text(self, sweep_id: str, form: TableText, **options: Option) -> str:
         """The table of `table` as text: CSV, Markdown or LaTeX; same options."""
         path, params = f"/sweeps/{sweep_id}/table", {**options, "format": form}
         return self._call("GET", path, params=params).text
@@ -260,7 +261,7 @@ class Client:
         self,
         sweep_id: str,
         form: Form = "png",
-        number: Number | None = None,
+        number: FigureNumber | None = None,
         **options: Option,
     ) -> bytes:
         """A figure as the bytes of a file.
@@ -352,15 +353,19 @@ class Client:
 
 
 def as_json(request: Request) -> dict[str, Any]:
-    """What is posted: of a model the fields that were set, a mapping as it stands."""
+    """What is posted: of a model the fields that were set, a mapping as it stands.
+
+    Raises ServiceError, with every value that JSON cannot say.
+    """
     if isinstance(request, SweepRequest):
         return request.model_dump(mode="json", exclude_unset=True)
+    try:
+        faults = list(unsayable("", request))
+    except RecursionError:
+        raise ServiceError("The request contains itself.") from None
+    if faults:
+        raise ServiceError(faults_text(faults))
     return dict(request)
-
-
-def is_run(identifier: str) -> bool:
-    """Whether an id is a run's (`<sweep>-<number>`) and not a sweep's."""
-    return "-" in identifier
 
 
 def path_of(identifier: str) -> str:
@@ -382,10 +387,17 @@ def problem_text(response: httpx2.Response) -> str:
     except ValueError:
         return f"The service answered {response.status_code}: {response.text[:500]}"
     faults = [
-        f"  {error.get('field') or error.get('pointer') or ''}: {error.get('message', error)}"
+        f"{error.get('field') or error.get('pointer') or ''}: {error.get('message', error)}"
         for error in problem.get("errors") or []
         if isinstance(error, dict)
     ]
     if len(faults) > 1:  # the detail is the first of them
-        return "\n".join([f"{len(faults)} things are wrong:", *faults])
+        return faults_text(faults)
     return str(problem.get("detail") or problem.get("title") or response.status_code)
+
+
+def faults_text(faults: Sequence[str]) -> str:
+    """What is wrong with a request: one thing in a line, several in a list."""
+    if len(faults) == 1:
+        return faults[0]
+    return "\n".join([f"{len(faults)} things are wrong:", *(f"  {fault}" for fault in faults)])

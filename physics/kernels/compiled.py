@@ -43,6 +43,8 @@ def compiled_fast(function: F) -> F:
 def _kernel(function: F, fastmath: bool | set[str]) -> F:
     """Compile `function` with our cache folder, leaving numba's own setting to other packages."""
     config: Any = numba.config
+    if config.DISABLE_JIT:  # to look for a mistake in Python
+        return function
     others = config.CACHE_DIR
     folder = _cache_folder(function.__code__.co_filename)
     config.CACHE_DIR = str(folder)

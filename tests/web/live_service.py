@@ -30,7 +30,7 @@ from service.settings import Settings
 from service.store.store import Store
 from workers.messages.progress import Progress
 from workers.messages.random_return import RandomReturn
-from workers.messages.run_spec import RunSpec
+from workers.messages.run_spec import RunSpec, Weights
 
 Floats = NDArray[np.float64]
 
@@ -129,7 +129,7 @@ class LiveService:
         for environment in environments:
             self.measure_random(environment)
         specs = [
-            RunSpec(algorithm, environment, seed, (w1, w2), timesteps)
+            RunSpec(algorithm, environment, seed, Weights(w1, w2), timesteps)
             for environment in environments
             for algorithm, w1, w2 in learners
             for seed in range(seeds)
@@ -154,7 +154,7 @@ class LiveService:
         going_on = []
         for claim in self._claims:
             is_last = end >= claim.specs[0].timesteps
-            finished = tuple(claim.by_seed) if is_last else ()
+            finished = tuple(spec.seed for spec in claim.specs) if is_last else ()
             taken = tuple(m for spec in claim.specs for m in measurements(spec, start, end))
             self.store.record(claim, Progress(end, measurements=taken, finished=finished))
             if not is_last:

@@ -13,6 +13,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 from sqlalchemy import Engine, make_url
 from sqlalchemy.exc import SQLAlchemyError
 
+from service.cli.terminal import console, say
 from service.data_dir import DataDirInUseError, owned
 from service.settings import Settings
 from service.store.connection import Role, connect
@@ -32,8 +33,6 @@ app = typer.Typer(
     help="The database: bring it up to date, check it, copy it, back it up.",
     no_args_is_help=True,
 )
-console = Console()
-
 Database = Annotated[
     str | None,
     typer.Option("--database-url", help="Its SQLAlchemy URL; the service's if unset."),
@@ -56,7 +55,7 @@ def upgrade(database_url: Database = None) -> None:
     url = _url(database_url)
     with _refusing(), _alone(url), _opened(url, "writer", is_new=True) as engine:
         migration.upgrade(engine)
-    console.print("The tables are this version's.")
+    say("The tables are this version's.")
 
 
 @app.command()
@@ -70,7 +69,7 @@ def check(database_url: Database = None) -> None:
         mark = "[red]broken[/]" if each.faults else "[green]holds [/]"
         console.print(f"{mark} {each.claim}", highlight=False)
         for fault in each.faults:
-            console.print(f"       {fault}", markup=False, highlight=False)
+            say(f"       {fault}")
     if any(each.faults for each in checks):
         raise typer.Exit(1)
 
@@ -101,9 +100,8 @@ def copy(
 
             copied = transfer(reader, writer, tell)
     for table in copied:
-        line = f"{table.name:16} {table.rows:>10,} rows  sha256 {table.sha256}"
-        console.print(line, highlight=False, soft_wrap=True)
-    console.print("Rows and hashes are equal at both ends.")
+        say(f"{table.name:16} {table.rows:>10,} rows  sha256 {table.sha256}")
+    say("Rows and hashes are equal at both ends.")
 
 
 @app.command()
@@ -117,7 +115,7 @@ def backup(
         raise typer.BadParameter("back PostgreSQL up with its own pg_dump", param_hint="FILE")
     with _refusing(), _opened(url, "reader") as engine:
         backups.backup(engine, file)
-    console.print(f"Wrote {file}", markup=False, highlight=False, soft_wrap=True)
+    say(f"Wrote {file}")
 
 
 def _url(database_url: str | None) -> str:

@@ -8,7 +8,7 @@ import typer
 from pydantic import BaseModel
 from rich.text import Text
 
-from service.cli.checkup import Finding, Verdict, examine
+from service.cli.host.checkup import Finding, Verdict, examine
 from service.cli.terminal import AsJson, console, print_json, say
 
 STYLES = {"ok": "green", "warning": "yellow", "failed": "bold red"}

@@ -12,7 +12,7 @@ from typing import Any
 from rich.console import Console
 
 from service.cli.following import follow
-from service.cli.own_service import data_dir, own_service
+from service.cli.host.own_service import data_dir, own_service
 from service.client import Client, has_ended
 
 DEMO_SWEEP: dict[str, Any] = {

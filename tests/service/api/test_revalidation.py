@@ -3,7 +3,7 @@
 import pytest
 from starlette.testclient import TestClient
 
-from service.api.routes.revalidation import known_tags
+from service.api.revalidation import known_tags
 from service.store.store import Store
 from tests.service.conftest import changed
 from tests.service.training import random_return, train

@@ -2,8 +2,8 @@
 
 import pytest
 
-from service.cli import doctor
-from service.cli.checkup import Finding
+from service.cli.host import doctor
+from service.cli.host.checkup import Finding
 from tests.service.cli.conftest import Command, as_json
 
 

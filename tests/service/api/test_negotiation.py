@@ -3,7 +3,7 @@
 import pytest
 from fastapi import Request
 
-from service.api.routes.negotiation import asked_form
+from service.api.negotiation import asked_form
 
 TYPES = {"json": "application/json", "csv": "text/csv", "latex": "application/x-latex"}
 

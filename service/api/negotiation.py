@@ -5,10 +5,12 @@ from typing import TypeVar
 
 from fastapi import Request
 
-Form = TypeVar("Form", bound=str)
+AnyForm = TypeVar("AnyForm", bound=str)
 
 
-def asked_form(request: Request, named: Form | None, media_types: Mapping[Form, str]) -> Form:
+def asked_form(
+    request: Request, named: AnyForm | None, media_types: Mapping[AnyForm, str]
+) -> AnyForm:
     """Return the form that was named, else the one accepted with the greatest weight.
 
     Without either, or where nothing that is accepted can be had: the first form. Of forms equally

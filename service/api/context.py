@@ -1,10 +1,7 @@
-"""What routes are given: store, event feed, dispatcher; the sweep or run of their path.
-
-And the name of the entry that the run is of.
-"""
+"""What routes are given: what the application holds, and the sweep or run of their path."""
 
 from collections.abc import Mapping
-from typing import Annotated, Protocol
+from typing import Annotated, Any, Protocol
 
 from fastapi import Depends, Request
 from fastapi import Path as PathParameter
@@ -21,7 +18,7 @@ from workers.checkpoints.place import Place
 MAX_ID = 64
 
 
-class Dispatcher(Protocol):
+class Workforce(Protocol):
     """What the routes ask of whoever dispatches runs to workers."""
 
     @property
@@ -33,42 +30,21 @@ class Dispatcher(Protocol):
         """The workers that are up, and whether each is busy."""
 
 
-def _store(request: Request) -> Store:
-    store: Store = request.app.state.store
-    return store
+def _held(name: str) -> Any:
+    """Return the dependency on what the application holds under a name."""
+
+    def held(request: Request) -> Any:
+        return getattr(request.app.state, name)
+
+    return Depends(held)
 
 
-def _event_feed(request: Request) -> EventFeed:
-    feed: EventFeed = request.app.state.event_feed
-    return feed
-
-
-def _dispatcher(request: Request) -> Dispatcher:
-    dispatcher: Dispatcher = request.app.state.dispatcher
-    return dispatcher
-
-
-def _checkpoints(request: Request) -> Place:
-    checkpoints: Place = request.app.state.checkpoints
-    return checkpoints
-
-
-def _worker_memory(request: Request) -> int:
-    worker_memory: int = request.app.state.worker_memory
-    return worker_memory
-
-
-def _side(request: Request) -> Side:
-    side: Side = request.app.state.side
-    return side
-
-
-TheCheckpoints = Annotated[Place, Depends(_checkpoints)]
-TheSide = Annotated[Side, Depends(_side)]
-TheStore = Annotated[Store, Depends(_store)]
-TheEventFeed = Annotated[EventFeed, Depends(_event_feed)]
-TheWorkerMemory = Annotated[int, Depends(_worker_memory)]
-TheDispatcher = Annotated[Dispatcher, Depends(_dispatcher)]
+TheCheckpoints = Annotated[Place, _held("checkpoints")]
+TheSide = Annotated[Side, _held("side")]
+TheStore = Annotated[Store, _held("store")]
+TheEventFeed = Annotated[EventFeed, _held("event_feed")]
+TheWorkerMemory = Annotated[int, _held("worker_memory")]
+TheWorkforce = Annotated[Workforce, _held("dispatcher")]
 
 
 SweepId = Annotated[str, PathParameter(examples=["3f9a0c51b7de"])]

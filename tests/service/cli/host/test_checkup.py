@@ -7,8 +7,8 @@ import pytest
 from fastapi import FastAPI
 from pydantic import SecretStr
 
-from service.cli import checkup
-from service.cli.checkup import (
+from service.cli.host import checkup
+from service.cli.host.checkup import (
     check_checkpoints,
     check_database,
     check_disk,

@@ -17,7 +17,7 @@ from fastapi import Request, Response
 from fastapi.routing import APIRoute
 from starlette.concurrency import run_in_threadpool
 
-from service.api.routes.context import may_be_id
+from service.api.context import may_be_id
 from service.store.store import Store
 
 PROCESS = secrets.token_hex(8)

@@ -50,7 +50,7 @@ class _News:
     random_return: RandomReturn | None = None
 
 
-class Cohort:
+class CohortThread:
     """Trains the seeds that have `checkpoints` until every one has ended, or `stop`.
 
     `measure_first`, where given, runs before; its random return is among the first news.
