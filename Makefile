@@ -11,7 +11,10 @@ PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
 PIP    := $(BIN)/python -m pip install --quiet --disable-pip-version-check
-PYTEST := $(BIN)/python -m pytest
+PYTEST := $(BIN)/python -m pytest --durations 40
+CORES  ?= $(shell nproc)
+# A file's tests stay together: they share its fixtures. Long ones come first, as they are collected.
+SHARED := -n $(CORES) --dist loadfile --no-loadscope-reorder
 SUDO   := $(shell test "$$(id -u)" = 0 || echo sudo)
 
 .DEFAULT_GOAL := help
@@ -66,17 +69,17 @@ postgresql:
 
 fast: $(VENV)/installed-dev postgresql
 	@echo "== Tests: fast"
-	@$(PYTEST) -m "not slow and not cluster and not browser"
+	@$(PYTEST) $(SHARED) -m "not slow and not cluster and not browser"
 
 cluster: $(VENV)/installed-dev postgresql
 	@echo "== Tests: with a real local Ray"
-	@$(PYTEST) -m "cluster and not slow and not browser"
+	@$(PYTEST) $(SHARED) -m "cluster and not slow and not browser"
 
 browser: $(VENV)/installed-dev
 	@echo "== Tests: in a real Chromium"
 	@command -v chromium >/dev/null || { echo "   installing Debian's chromium"; \
 	  $(SUDO) apt-get update -qq && $(SUDO) apt-get install -y -qq chromium >/dev/null; }
-	@$(PYTEST) -m "browser and not slow"
+	@$(PYTEST) $(SHARED) -m "browser and not slow"
 
 test-slow: $(VENV)/installed-dev postgresql
 	@echo "== Tests: slow (minutes)"

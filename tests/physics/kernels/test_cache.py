@@ -62,6 +62,27 @@ def flip(contents: bytes) -> bytes:
     return contents[:middle] + bytes([contents[middle] ^ 1]) + contents[middle + 1 :]
 
 
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Where the kernels of this process are kept."""
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path))
+    return tmp_path
+
+
+def kernel_of_half() -> Any:
+    """What the decorators make, but kept in `folder`."""
+    kernel: Any = numba.njit(half)
+    kernel._cache = KernelCache(half)
+    kernel.compile = kernel._cache.one_compiles(kernel.compile)
+    return kernel
+
+
+def kept_half(x: float) -> tuple[float, str]:
+    """What a new process would give, and where it would have it from."""
+    kernel = kernel_of_half()
+    return kernel(x), "loaded" if kernel.stats.cache_hits else "compiled"
+
+
 DAMAGES: dict[str, Callable[[bytes], bytes]] = {
     "empty": lambda contents: b"",
     "cut": lambda contents: contents[: len(contents) // 2],
@@ -142,9 +163,10 @@ def first(new_program: Program) -> Iterator[Telling]:
         process.kill()
 
 
-@pytest.fixture
-def program(tmp_path: Path) -> Program:
-    program = Program(tmp_path)
+@pytest.fixture(scope="module")
+def program(tmp_path_factory: pytest.TempPathFactory) -> Program:
+    """All is compiled, and each test leaves it so."""
+    program = Program(tmp_path_factory.mktemp("program"))
     assert program.run() == ("8.0", True)
     assert program.run() == ("8.0", False)
     return program
@@ -152,12 +174,21 @@ def program(tmp_path: Path) -> Program:
 
 def test_damaged_files_are_replaced(program: Program) -> None:
     for ending in (".nbi", ".nbc"):
-        for damage in DAMAGES.values():
-            assert len(program.files(ending)) == 2
-            for path in program.files(ending):
-                path.write_bytes(damage(path.read_bytes()))
-            assert program.run() == ("8.0", True)
+        assert len(program.files(ending)) == 2
+        for path in program.files(ending):
+            path.write_bytes(flip(path.read_bytes()))
+    assert program.run() == ("8.0", True)
     assert program.run() == ("8.0", False)
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+@pytest.mark.parametrize("ending", ["nbi", "nbc"])
+def test_each_damage_to_each_file_is_seen(folder: Path, ending: str, damage: str) -> None:
+    assert kept_half(3.0) == (1.5, "compiled")
+    (path,) = folder.glob(f"*.{ending}")
+    path.write_bytes(DAMAGES[damage](path.read_bytes()))
+    assert kept_half(3.0) == (1.5, "compiled")
+    assert kept_half(3.0) == (1.5, "loaded")
 
 
 def test_a_missing_file_is_compiled_again(program: Program) -> None:
@@ -167,15 +198,12 @@ def test_a_missing_file_is_compiled_again(program: Program) -> None:
     assert program.run() == ("8.0", False)
 
 
-def test_what_cannot_be_kept_is_no_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_cannot_be_kept_is_no_error(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path))
     monkeypatch.setattr("numba.core.caching.IndexDataCacheFile.save", full)
-    kernel: Any = numba.njit(half)
-    kernel._cache = KernelCache(half)
-    assert kernel(3.0) == 1.5
+    assert kept_half(3.0) == (1.5, "compiled")
 
 
 def test_of_two_processes_one_compiles_and_the_other_takes_what_it_kept(
@@ -212,16 +240,11 @@ def test_patience_with_a_suspended_process_has_an_end(new_program: Program, firs
         assert second.says() == "8.0"
 
 
-def test_others_do_not_wait_for_a_kernel_that_cannot_be_compiled(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path))
-    kernel: Any = numba.njit(half)
-    kernel._cache = KernelCache(half)
-    kernel.compile = kernel._cache.one_compiles(kernel.compile)
+def test_others_do_not_wait_for_a_kernel_that_cannot_be_compiled(folder: Path) -> None:
+    kernel = kernel_of_half()
     with pytest.raises(numba.TypingError):
         kernel("text")
-    (lock,) = tmp_path.glob("*.lock")
+    (lock,) = folder.glob("*.lock")
     with FileLock(lock, blocking=False):  # raises Timeout where it is held
         pass
     assert kernel(3.0) == 1.5
