@@ -10,7 +10,8 @@
 PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
-PIP    := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+# Python compiles each module as it is first imported: most of what is installed never is.
+PIP    := $(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check
 PYTEST := $(BIN)/python -m pytest --durations 40
 CORES  ?= $(shell nproc)
 # A file's tests stay together: they share its fixtures. Long ones come first, as they are collected.
