@@ -1,4 +1,4 @@
-"""Places for checkpoints: a folder, and a bucket of a store that speaks S3."""
+"""Where tests lie, and places for checkpoints: a folder, and a bucket of a store that speaks S3."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -7,6 +7,19 @@ import pytest
 
 from tests.object_store import ObjectStore, forget_clients
 from workers.checkpoints.place import Place
+
+FOLDERS = {"browser": ("web/",), "cluster": ("end_to_end/", "workers/")}
+"""Where `make test` looks for the tests of a mark, so that it need not collect all others."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Refuse a test that `make test` would not find."""
+    for item in items:
+        for mark, folders in FOLDERS.items():
+            place = str(item.path.relative_to(Path(__file__).parent))
+            if item.get_closest_marker(mark) and not place.startswith(folders):
+                known = " or ".join(f"tests/{folder}" for folder in folders)
+                raise pytest.UsageError(f"{item.nodeid} is marked {mark}: move it to {known}")
 
 
 @pytest.fixture(scope="session")
