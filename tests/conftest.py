@@ -1,5 +1,6 @@
-"""Where tests lie, and places for checkpoints: a folder, and a bucket of a store that speaks S3."""
+"""How tests are run; places for checkpoints: a folder, and a bucket of a store that speaks S3."""
 
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -20,6 +21,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             if item.get_closest_marker(mark) and not place.startswith(folders):
                 known = " or ".join(f"tests/{folder}" for folder in folders)
                 raise pytest.UsageError(f"{item.nodeid} is marked {mark}: move it to {known}")
+
+
+def pytest_collection_finish() -> None:
+    """One thread for torch, as in the workers: more of them wait for each other on busy cores."""
+    if (torch := sys.modules.get("torch")) is not None:
+        torch.set_num_threads(1)
 
 
 @pytest.fixture(scope="session")
