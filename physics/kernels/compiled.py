@@ -49,7 +49,7 @@ def _jit(function: F, fastmath: bool | set[str]) -> F:
         kernel: Any = numba.njit(
             nogil=True, error_model="numpy", fastmath=fastmath, forceinline=bool(fastmath)
         )(function)
-        if _can_keep(folder):
+        if kernel is not function and _can_keep(folder):  # it is with NUMBA_DISABLE_JIT
             kernel._cache = KernelCache(function)  # as `cache=True` sets numba's own
             kernel.compile = kernel._cache.one_compiles(kernel.compile)
         return cast("F", kernel)
