@@ -19,8 +19,12 @@
 PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
-PIP    := $(BIN)/python -m pip install --quiet --disable-pip-version-check
-PYTEST := $(BIN)/python -m pytest
+# Python compiles each module as it is first imported: most of what is installed never is.
+PIP    := $(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check
+PYTEST := $(BIN)/python -m pytest --durations 40
+CORES  ?= $(shell nproc)
+# A file's tests stay together where they share its fixtures; the long ones are collected first.
+SHARED := -n $(CORES) --dist loadfile --no-loadscope-reorder
 SUDO   := $(shell test "$$(id -u)" = 0 || echo sudo)
 
 .DEFAULT_GOAL := help
@@ -75,17 +79,17 @@ postgresql:
 
 fast: $(VENV)/installed-dev postgresql
 	@echo "== Tests: fast"
-	@$(PYTEST) -m "not slow and not cluster and not browser"
+	@$(PYTEST) $(SHARED) -m "not slow and not cluster and not browser"
 
 cluster: $(VENV)/installed-dev postgresql
 	@echo "== Tests: with a real local Ray"
-	@$(PYTEST) -m "cluster and not slow and not browser"
+	@$(PYTEST) $(SHARED) -m "cluster and not slow" tests/end_to_end tests/workers
 
 browser: $(VENV)/installed-dev
 	@echo "== Tests: in a real Chromium"
 	@command -v chromium >/dev/null || { echo "   installing Debian's chromium"; \
 	  $(SUDO) apt-get update -qq && $(SUDO) apt-get install -y -qq chromium >/dev/null; }
-	@$(PYTEST) -m "browser and not slow"
+	@$(PYTEST) -n $(CORES) --dist worksteal -m "browser and not slow" tests/web
 
 test-slow: $(VENV)/installed-dev postgresql
 	@echo "== Tests: slow (minutes)"

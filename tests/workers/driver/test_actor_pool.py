@@ -160,7 +160,7 @@ def test_what_is_missing_is_asked_of_the_autoscaler_until_it_is_there(
 def test_a_demand_is_heeded_at_once_and_withdrawn_at_the_end(
     pool: ActorPool, cluster: FakeCluster, serving: threading.Thread, service: Service
 ) -> None:
-    follower = threading.Thread(target=pool.follow)
+    follower = threading.Thread(target=pool.follow, daemon=True)
     follower.start()
     service.say(do="demand", workers=4)
     deadline = time.monotonic() + 10.0

@@ -21,6 +21,7 @@ from service.cli.host.checkup import (
 )
 from service.settings import Settings
 from service.store.store import Store
+from tests.end_to_end.running_service import free_port
 from tests.object_store import SECRET
 from tests.service.conftest import TOKEN, FakeDispatcher
 from tests.service.served import served
@@ -92,11 +93,11 @@ def test_port_free_ours_and_somebody_elses(
     app: FastAPI, dispatcher: FakeDispatcher, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("D3PG_TOKEN", TOKEN)
-    with socket.socket() as other:
-        other.bind(("127.0.0.1", 0))
+    with socket.socket() as other, monkeypatch.context() as patience:
+        other.bind(("127.0.0.1", free_port()))
         other.listen()
         taken = Settings(port=other.getsockname()[1])
-        monkeypatch.setattr(checkup, "ANSWER_SECONDS", 0.1)
+        patience.setattr(checkup, "ANSWER_SECONDS", 0.1)
         assert "--port" in check_port(taken).advice
     assert check_port(taken).verdict == "ok"
     with served(app) as url:
