@@ -12,6 +12,7 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 PIP    := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 PYTEST := $(BIN)/python -m pytest
+NODE   := PATH="$(CURDIR)/web/node_modules/.bin:$(CURDIR)/$(BIN):$$PATH"
 SUDO   := $(shell test "$$(id -u)" = 0 || echo sudo)
 
 .DEFAULT_GOAL := help
@@ -37,6 +38,17 @@ $(VENV)/installed-dev: $(VENV)/installed
 	@$(PIP) --no-deps 'moviepy~=2.2.1'
 	@touch $@
 
+# Node comes as a wheel and is for development only: no page needs it, and no user.
+web/node_modules/.package-lock.json: web/package.json web/package-lock.json $(VENV)/installed-dev
+	@echo "== Installing what checks the page's scripts"
+	@cd web && $(NODE) npm ci --loglevel error >/dev/null
+	@touch $@
+
+# The answers of the API as TypeScript, of the code as it is.
+web/types/api.d.ts: web/node_modules/.package-lock.json $(shell find service workers/messages -name '*.py')
+	@$(BIN)/python -m tests.web.openapi_document >$(VENV)/openapi.json
+	@cd web && $(NODE) openapi-typescript $(CURDIR)/$(VENV)/openapi.json --output types/api.d.ts >/dev/null
+
 $(VENV)/installed-peers: $(VENV)/installed-dev
 	@echo "== Installing the peers of the benchmarks"
 	@$(PIP) --editable '.[dev,peers]'
@@ -53,12 +65,14 @@ paper: $(VENV)/installed
 
 test: check fast cluster browser
 
-check: $(VENV)/installed-dev
+check: $(VENV)/installed-dev web/types/api.d.ts
 	@echo "== Format, lint, types, import contracts"
 	@$(BIN)/ruff format --check .
 	@$(BIN)/ruff check .
 	@$(BIN)/mypy
 	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/lint-imports
+	@cd web && $(NODE) tsc --project .
+	@cd web && $(NODE) oxlint --deny-warnings .
 
 postgresql:
 	@ls /usr/lib/postgresql/*/bin/initdb >/dev/null 2>&1 || { echo "   installing Debian's postgresql"; \
@@ -91,4 +105,4 @@ format: $(VENV)/installed-dev
 	@$(BIN)/ruff check --fix .
 
 clean:
-	rm -rf $(VENV) web/static/vendor .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) web/node_modules web/types/api.d.ts web/static/vendor .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

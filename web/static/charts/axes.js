@@ -5,7 +5,14 @@ import { tick } from "../texts/format.js";
 const POWERS = Array.from({ length: 60 }, (_, i) => 10 ** (29 - i));
 const ROUND = [1, 5, 2].flatMap((digit) => POWERS.map((power) => digit * power));
 
-/** uPlot's own ticks on a linear axis; round ones, so many pixels apart, on a logarithmic one. */
+/**
+ * uPlot's own ticks on a linear axis; round ones, so many pixels apart, on a logarithmic one.
+ *
+ * @param {string} scale
+ * @param {boolean} isLog
+ * @param {number} spacing
+ * @returns {Pick<import("uplot").Axis, "splits" | "filter">}
+ */
 export function ticks(scale, isLog, spacing) {
   if (!isLog) return {};
   return {
@@ -15,6 +22,11 @@ export function ticks(scale, isLog, spacing) {
   };
 }
 
+/**
+ * @param {string} label
+ * @param {import("uplot").Axis["size"]} size
+ * @returns {import("uplot").Axis}
+ */
 export function axis(label, size) {
   return {
     label,
@@ -32,11 +44,18 @@ export function axis(label, size) {
   };
 }
 
+/** @returns {string} */
 export function canvasFont() {
   return `11px ${getComputedStyle(document.body).fontFamily}`;
 }
 
-/** Room for the widest label of the y axis. */
+/**
+ * Room for the widest label of the y axis.
+ *
+ * @param {import("uplot")} plot
+ * @param {string[] | null} values
+ * @returns {number}
+ */
 export function labelWidth(plot, values) {
   if (values === null) return 30;
   plot.ctx.save();
@@ -49,8 +68,11 @@ export function labelWidth(plot, values) {
 /**
  * 0 and +-(1, 5, 2) 10^k within [min, max]; powers of ten first, large ones first.
  *
- * @param position (value) => its place on the axis, in pixels
- * @param spacing pixels between two ticks, at least
+ * @param {number} min
+ * @param {number} max
+ * @param {(value: number) => number} position (value) => its place on the axis, in pixels
+ * @param {number} spacing pixels between two ticks, at least
+ * @returns {number[]}
  */
 export function roundTicks(min, max, position, spacing) {
   const chosen = [];
@@ -59,5 +81,5 @@ export function roundTicks(min, max, position, spacing) {
     const distances = chosen.map((other) => Math.abs(position(other) - position(value)));
     if (distances.every((distance) => distance >= spacing)) chosen.push(value);
   }
-  return chosen.sort((a, b) => a - b);
+  return chosen.toSorted((a, b) => a - b);
 }

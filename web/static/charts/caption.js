@@ -2,6 +2,12 @@
 import { counted, number } from "../texts/format.js";
 import { RETURNS } from "./drawing.js";
 
+/**
+ * @import { View } from "../parts/view.js"
+ * @import { Data } from "./chart.js"
+ * @import { Fields } from "./drawing.js"
+ */
+
 const BANDS = {
   std: "mean ± one standard deviation (ddof 1)",
   ci95: "mean and its 95 % confidence interval (Student’s t)",
@@ -9,7 +15,14 @@ const BANDS = {
   none: "mean",
 };
 
-/** The caption under one panel. */
+/**
+ * The caption under one panel.
+ *
+ * @param {Api.Panel} panel
+ * @param {View<Fields>} view
+ * @param {Data} data
+ * @returns {string}
+ */
 export function panelCaption(panel, view, { y }) {
   const statistic = BANDS[view.get("band")];
   const sentences = [
@@ -21,7 +34,12 @@ export function panelCaption(panel, view, { y }) {
   return sentences.filter((sentence) => sentence !== "").join(" ");
 }
 
-/** How many seeds the curves rest on: "16 seeds", or "2 to 16 seeds" where they differ. */
+/**
+ * How many seeds the curves rest on: "16 seeds", or "2 to 16 seeds" where they differ.
+ *
+ * @param {Api.Curve[]} curves
+ * @returns {string}
+ */
 function seedsText(curves) {
   const counts = curves.flatMap((curve) => curve.n);
   const most = counts.reduce((a, b) => Math.max(a, b), 0);
@@ -29,6 +47,11 @@ function seedsText(curves) {
   return least === most ? counted(most, "seed") : `${least} to ${counted(most, "seed")}`;
 }
 
+/**
+ * @param {Api.Panel} panel
+ * @param {View<Fields>} view
+ * @returns {string}
+ */
 function scaleText({ random_return: random }, view) {
   if (!RETURNS.includes(view.get("metric"))) return "";
   if (view.get("scale") === "raw") return "Raw, undiscounted returns.";
@@ -42,6 +65,11 @@ function scaleText({ random_return: random }, view) {
   );
 }
 
+/**
+ * @param {Api.Panel} panel
+ * @param {View<Fields>} view
+ * @returns {string[]}
+ */
 function displayText(panel, view) {
   const sentences = [];
   if (view.get("smoothing") > 0) {
@@ -56,6 +84,11 @@ function displayText(panel, view) {
   return sentences;
 }
 
+/**
+ * @param {boolean} logX
+ * @param {Data["y"]} y
+ * @returns {string}
+ */
 function axisText(logX, { scale, linearWithin }) {
   const parts = [];
   if (logX) parts.push("horizontal axis logarithmic");

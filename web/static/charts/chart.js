@@ -1,45 +1,59 @@
 /**
- * Lines and bands over one x axis, drawn by uPlot. The only module that knows uPlot: a chart is
- * made by `create(container, spec)`, shown by `update(data)` and taken down by `destroy()`.
- *
- * @typedef {object} Spec
- * @property {string} group   charts of one group share their cursor
- * @property {(index: number | null) => void} onCursor   the cursor stands on this index of `xs`
- *
- * @typedef {object} Curve
- * @property {string} label, colour
- * @property {number[]} dash
- * @property {number[]} x
- * @property {(number|null)[]} line    what is drawn boldly
- * @property {(number|null)[]} [low], [high]   the band, absent when none is shown
- * @property {(number|null)[]} [raw]   drawn faintly behind a smoothed line
- * @property {(number|null)[][]} [seeds]   thin single lines
- *
- * @typedef {object} Data
- * @property {Curve[]} curves
- * @property {{value: number, label: string}[]} references   horizontal lines
- * @property {{label: string, log: boolean, max: number | null}} x
- * @property {{label: string, scale: "linear" | "log" | "symlog", linearWithin: number,
- *   anchors: number[]}} y   anchors stay in sight; symlog is linear in [-linearWithin, linearWithin]
+ * Lines and bands over one x axis, drawn by uPlot, which only this module and those that it is made
+ * of know: layers.js and axes.js.
  */
 import { themeColour } from "../parts/palette.js";
 import { axis, canvasFont, labelWidth, ticks } from "./axes.js";
 import { align, layers, lineIndices } from "./layers.js";
 
+/**
+ * @import { Curve } from "./layers.js"
+ *
+ * @typedef {object} Spec
+ * @property {string} group   charts of one group share their cursor
+ * @property {(index: number | null) => void} onCursor   the cursor stands on this index of `xs`
+ *
+ * What uPlot's own types leave out: whether a cursor that is set is told to the group.
+ *
+ * @typedef {{ setCursor(at: object, fire: boolean, publish: boolean): void }} Publisher
+ * @typedef {import("uplot") & Publisher} Publishing
+ *
+ * @typedef {"linear" | "log" | "symlog"} Scale
+ * @typedef {{ value: number, label: string }} Reference
+ *
+ * @typedef {object} Data
+ * @property {Curve[]} curves
+ * @property {Reference[]} references   horizontal lines
+ * @property {{ label: string, log: boolean, max: number | null }} x
+ * @property {{ label: string, scale: Scale, linearWithin: number, anchors: number[] }} y
+ *   anchors stay in sight; symlog is linear in [-linearWithin, linearWithin]
+ */
+
+/** @type {Record<Scale, import("uplot").Scale.Distr>} */
 const DISTRIBUTIONS = { linear: 1, log: 3, symlog: 4 }; // uPlot's numbers; its 4 is asinh
 
-export function create(container, spec) {
-  return new Chart(container, spec);
-}
+/** @type {Data} */
+const NOTHING = {
+  curves: [],
+  references: [],
+  x: { label: "", log: false, max: null },
+  y: { label: "", scale: "linear", linearWithin: 1, anchors: [] },
+};
 
-class Chart {
+export class Chart {
   #container;
   #spec;
+  /** @type {import("uplot") | null} */
   #plot = null;
   #structure = "";
-  #data = null;
+  /** @type {Data} */
+  #data = NOTHING;
   #resizing;
 
+  /**
+   * @param {HTMLElement} container
+   * @param {Spec} spec
+   */
   constructor(container, spec) {
     this.#container = container;
     this.#spec = spec;
@@ -51,7 +65,7 @@ class Chart {
 
   /** The x values that cursor indices refer to. */
   get xs() {
-    return this.#plot?.data[0] ?? [];
+    return /** @type {number[]} */ (this.#plot?.data[0] ?? []);
   }
 
   /** Where the cursor is, as an index of `xs`; null when it is nowhere. */
@@ -61,10 +75,15 @@ class Chart {
 
   /** Where the cursor is, in CSS pixels within the container. */
   get cursorLeft() {
-    return this.#plot.cursor.left + this.#plot.over.offsetLeft;
+    if (this.#plot === null) return 0;
+    return (this.#plot.cursor.left ?? 0) + this.#plot.over.offsetLeft;
   }
 
-  /** Show new data; a chart of the same curves keeps its canvas. */
+  /**
+   * Show new data; a chart of the same curves keeps its canvas.
+   *
+   * @param {Data} data
+   */
   update(data) {
     this.#data = data;
     const columns = align(data.curves);
@@ -84,14 +103,18 @@ class Chart {
     }
     this.#plot?.destroy();
     this.#structure = structure;
-    this.#plot = new globalThis.uPlot(this.#options(), columns, this.#container);
+    this.#plot = new uPlot(this.#options(data), columns, this.#container);
   }
 
-  /** Put the cursor on an index of `xs`, in every chart of the group. */
+  /**
+   * Put the cursor on an index of `xs`, in every chart of the group.
+   *
+   * @param {number} index
+   */
   setCursor(index) {
     const x = this.xs[index];
-    const left = x === undefined ? -10 : this.#plot.valToPos(x, "x");
-    this.#plot.setCursor({ left, top: 0 }, true, true);
+    const plot = /** @type {Publishing | null} */ (this.#plot);
+    plot?.setCursor({ left: x === undefined ? -10 : plot.valToPos(x, "x"), top: 0 }, true, true);
   }
 
   /** Draw again, in the colours of the theme as it is now. */
@@ -114,51 +137,73 @@ class Chart {
     return { width: this.#container.clientWidth, height: this.#container.clientHeight };
   }
 
-  #options() {
-    const data = this.#data;
+  /**
+   * @param {Data} data
+   * @returns {import("uplot").Options}
+   */
+  #options({ curves, x, y }) {
     return {
       ...this.#size(),
       padding: [10, 12, 0, 0],
       legend: { show: false },
       scales: {
-        x: { time: false, distr: data.x.log ? 3 : 1, range: (_, min, max) => this.#xRange(min, max) },
+        x: { time: false, distr: x.log ? 3 : 1, range: (_, min, max) => this.#xRange(min, max) },
         y: {
-          distr: DISTRIBUTIONS[data.y.scale],
-          asinh: data.y.linearWithin,
+          distr: DISTRIBUTIONS[y.scale],
+          asinh: y.linearWithin,
           range: (_, min, max) => this.#yRange(min, max),
         },
       },
       axes: [
-        { ...axis(data.x.label, 26), ...ticks("x", data.x.log, 64) },
-        { ...axis(data.y.label, labelWidth), ...ticks("y", data.y.scale !== "linear", 26) },
+        { ...axis(x.label, 26), ...ticks("x", x.log, 64) },
+        { ...axis(y.label, labelWidth), ...ticks("y", y.scale !== "linear", 26) },
       ],
-      ...layers(data.curves),
-      cursor: cursor(this.#spec.group, lineIndices(data.curves)),
+      ...layers(curves),
+      cursor: cursor(this.#spec.group, lineIndices(curves)),
       hooks: {
         drawAxes: [(plot) => drawReferences(plot, this.#data.references)],
-        setCursor: [(plot) => this.#spec.onCursor(plot.cursor.left < 0 ? null : plot.cursor.idx)],
+        setCursor: [
+          ({ cursor: { left = -1, idx = null } }) => this.#spec.onCursor(left < 0 ? null : idx),
+        ],
       },
     };
   }
 
+  /**
+   * The range of the x axis, for data within min and max; both are null where there are none.
+   *
+   * @param {number | null} min
+   * @param {number | null} max
+   * @returns {[number, number]}
+   */
   #xRange(min, max) {
     const { log, max: end } = this.#data.x;
-    if (min === null) return log ? [1, 10] : [0, end ?? 1];
+    if (min === null || max === null) return log ? [1, 10] : [0, end ?? 1];
     if (log) return [min, max > min ? max : min * 10];
     return [0, Math.max(end ?? 0, max) || 1];
   }
 
+  /**
+   * @param {number | null} min
+   * @param {number | null} max
+   * @returns {[number, number]}
+   */
   #yRange(min, max) {
-    const { anchors } = this.#data.y;
+    const { anchors, scale } = this.#data.y;
     const lowest = Math.min(...anchors, min ?? Infinity);
     const highest = Math.max(...anchors, max ?? -Infinity);
     if (lowest > highest) return [0, 1];
-    if (this.#data.y.scale === "log") return [lowest / 1.15, highest * 1.15];
+    if (scale === "log") return [lowest / 1.15, highest * 1.15];
     const margin = 0.06 * (highest - lowest || Math.abs(highest) || 1);
     return [lowest - margin, highest + margin];
   }
 }
 
+/**
+ * @param {string} group
+ * @param {Set<number>} lines
+ * @returns {import("uplot").Cursor}
+ */
 function cursor(group, lines) {
   return {
     y: false,
@@ -169,17 +214,31 @@ function cursor(group, lines) {
       size: 8,
       width: 2,
       stroke: () => themeColour("chart-ground"),
-      show: (plot, series) => (lines.has(series) ? document.createElement("div") : null),
+      show: /** @type {import("uplot").Cursor.Points["show"]} */ (
+        (/** @type {import("uplot")} */ _, /** @type {number} */ series) =>
+          lines.has(series) ? document.createElement("div") : null
+      ),
     },
   };
 }
 
-/** The cursor jumps from step to step, so that it stands on what it reads. */
+/**
+ * The cursor jumps from step to step, so that it stands on what it reads.
+ *
+ * @param {import("uplot")} plot
+ * @param {number} left
+ * @returns {number}
+ */
 function nearestStep(plot, left) {
   return plot.data[0].length === 0 ? left : plot.valToPos(plot.data[0][plot.posToIdx(left)], "x");
 }
 
-/** Where the random policy and the maximal return lie: hairlines, named at the right edge. */
+/**
+ * Where the random policy and the maximal return lie: hairlines, named at the right edge.
+ *
+ * @param {import("uplot")} plot
+ * @param {Reference[]} references
+ */
 function drawReferences(plot, references) {
   const { ctx, bbox } = plot;
   const scale = devicePixelRatio;

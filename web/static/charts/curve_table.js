@@ -2,9 +2,22 @@
 import { element } from "../parts/element.js";
 import { count, number } from "../texts/format.js";
 
-/** Fill a table with a row per step, and mean, band and n of every curve. */
+/**
+ * What is in each row of the service's curves.
+ *
+ * @typedef {Pick<Api.Curve, "label" | "x" | "mean" | "low" | "high" | "n">} TableCurve
+ */
+
+/**
+ * Fill a table with a row per step, and mean, band and n of every curve.
+ *
+ * @param {HTMLTableElement} table
+ * @param {TableCurve[]} curves
+ * @param {string} abscissa
+ * @param {string} metric
+ */
 export function fillCurveTable(table, curves, abscissa, metric) {
-  const steps = [...new Set(curves.flatMap((curve) => curve.x))].sort((a, b) => a - b);
+  const steps = [...new Set(curves.flatMap((curve) => curve.x))].toSorted((a, b) => a - b);
   const rows = curves.map((curve) => new Map(curve.x.map((x, i) => [x, i])));
   table.replaceChildren(
     element("caption", { class: "visually-hidden" }, `${metric} by ${abscissa}`),
@@ -13,6 +26,11 @@ export function fillCurveTable(table, curves, abscissa, metric) {
   );
 }
 
+/**
+ * @param {TableCurve[]} curves
+ * @param {string} abscissa
+ * @returns {HTMLElement}
+ */
 function head(curves, abscissa) {
   const first = element("th", { scope: "col", rowspan: "2" }, abscissa);
   const names = curves.map((curve) =>
@@ -24,6 +42,12 @@ function head(curves, abscissa) {
   return element("thead", {}, element("tr", {}, first, ...names), element("tr", {}, ...columns));
 }
 
+/**
+ * @param {number} x
+ * @param {TableCurve[]} curves
+ * @param {Map<number, number>[]} rows
+ * @returns {HTMLElement}
+ */
 function row(x, curves, rows) {
   const cells = curves.flatMap((curve, c) => {
     const i = rows[c].get(x);
@@ -41,15 +65,20 @@ function row(x, curves, rows) {
 
 const COLUMNS = "environment,curve,algorithm,w1,w2,metric,normalized,band,x_axis,x,mean,low,high,n";
 
-/** The service's curves as CSV (RFC 4180), a line per point, values in full precision. */
+/**
+ * The service's curves as CSV (RFC 4180), a line per point, values in full precision.
+ *
+ * @param {Api.Curves} comparison
+ * @returns {string}
+ */
 export function toCsv(comparison) {
   const { metric, normalized, band, x: abscissa, panels } = comparison;
   const lines = panels.flatMap(({ environment, curves }) =>
     curves.flatMap(({ label, algorithm, weights, x, mean, low, high, n }) =>
       x.map((step, i) =>
         [environment, label, algorithm, weights.w1, weights.w2, metric, normalized, band, abscissa]
-          .concat([step, mean[i], low[i], high[i], n[i]])
           .map(quoted)
+          .concat([step, mean[i], low[i], high[i], n[i]].map(quoted))
           .join(),
       ),
     ),
@@ -57,6 +86,10 @@ export function toCsv(comparison) {
   return [COLUMNS, ...lines, ""].join("\r\n");
 }
 
+/**
+ * @param {unknown} value
+ * @returns {string}
+ */
 function quoted(value) {
   const text = String(value ?? "");
   return /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;

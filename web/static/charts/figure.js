@@ -1,13 +1,24 @@
 /** A chart with its title, the values at its cursor, its caption, and the same as a table. */
 import { element, setText } from "../parts/element.js";
 import { count, number } from "../texts/format.js";
-import { create } from "./chart.js";
+import { Chart } from "./chart.js";
 import { Readout, sentence, valuesAt } from "./readout.js";
 
 let made = 0; // figures so far, which names their headings
-const KEYS = { ArrowLeft: -1, ArrowRight: 1, PageDown: -10, PageUp: 10 };
+const KEYS = new Map([
+  ["ArrowLeft", -1],
+  ["ArrowRight", 1],
+  ["PageDown", -10],
+  ["PageUp", 10],
+]);
+
+/**
+ * @import { Data } from "./chart.js"
+ * @import { Field, View } from "../parts/view.js"
+ */
 
 export class ChartFigure {
+  /** @type {HTMLElement} */
   node;
   #plot;
   #chart;
@@ -18,12 +29,14 @@ export class ChartFigure {
   #details;
   #abscissa = "";
   #fillTable = () => {};
+  /** @type {Data | null} */
   #data = null;
 
   /**
-   * @param texts { title, label }: the heading, and what the chart is to those who hear it
-   * @param group charts of one group share their cursor
-   * @param onToggle (isOpen) => void; the table was opened or closed
+   * @param {{ title: string, label: string }} texts the heading, and what the chart is to those who
+   *   hear it
+   * @param {string} group charts of one group share their cursor
+   * @param {(isOpen: boolean) => void} onToggle the table was opened or closed
    */
   constructor({ title, label }, group, onToggle) {
     const heading = element("h3", { id: `figure-${made++}` }, title);
@@ -48,20 +61,24 @@ export class ChartFigure {
       this.#caption,
       this.#details,
     );
-    this.#chart = create(this.#plot, { group, onCursor: (index) => this.#read(index) });
+    this.#chart = new Chart(this.#plot, { group, onCursor: (index) => this.#read(index) });
     this.#announce(null);
   }
 
   /**
-   * Show data (of chart.js).
+   * Show data.
    *
-   * @param texts { caption, abscissa }
-   * @param twin { isOpen, fill: (table) => void }: the table, which is filled while it is open
+   * @param {Data} data
+   * @param {{ caption: string, abscissa: string }} texts
+   * @param {{ isOpen: boolean, fill: (table: HTMLTableElement) => void }} twin the table, which is
+   *   filled while it is open
    */
   update(data, { caption, abscissa }, { isOpen, fill }) {
     this.#data = data;
     this.#abscissa = abscissa;
-    this.#fillTable = () => this.#details.open && fill(this.#table);
+    this.#fillTable = () => {
+      if (this.#details.open) fill(this.#table);
+    };
     this.#chart.update(data);
     this.#empty.hidden = data.curves.some((curve) => curve.x.length > 0);
     setText(this.#caption, caption);
@@ -70,6 +87,11 @@ export class ChartFigure {
     this.#read(this.#chart.cursorIndex);
   }
 
+  /**
+   * @param {string} label
+   * @param {(isOpen: boolean) => void} onToggle
+   * @returns {HTMLDetailsElement}
+   */
   #buildDetails(label, onToggle) {
     const scroller = element("div", { "class": "scroller", "role": "region", "tabindex": "0" });
     scroller.setAttribute("aria-label", label);
@@ -82,7 +104,11 @@ export class ChartFigure {
     return details;
   }
 
-  /** The cursor is at an index of the chart's steps, or nowhere. */
+  /**
+   * The cursor is at an index of the chart's steps, or nowhere.
+   *
+   * @param {number | null} index
+   */
   #read(index) {
     const x = index === null ? undefined : this.#chart.xs[index];
     if (x === undefined || this.#data === null) {
@@ -96,19 +122,25 @@ export class ChartFigure {
     this.#announce(x, sentence(step, values));
   }
 
+  /**
+   * @param {number | null} x
+   * @param {string} [text]
+   */
   #announce(x, text = "no step chosen") {
     const steps = this.#chart.xs;
-    this.#plot.setAttribute("aria-valuemin", steps[0] ?? 0);
-    this.#plot.setAttribute("aria-valuemax", steps.at(-1) ?? 0);
-    this.#plot.setAttribute("aria-valuenow", x ?? steps[0] ?? 0);
+    this.#plot.setAttribute("aria-valuemin", String(steps[0] ?? 0));
+    this.#plot.setAttribute("aria-valuemax", String(steps.at(-1) ?? 0));
+    this.#plot.setAttribute("aria-valuenow", String(x ?? steps[0] ?? 0));
     this.#plot.setAttribute("aria-valuetext", text);
   }
 
+  /** @param {KeyboardEvent} event */
   #onKey(event) {
     const last = this.#chart.xs.length - 1;
     const here = this.#chart.cursorIndex ?? -1;
     let index;
-    if (event.key in KEYS) index = Math.max(0, Math.min(last, here + KEYS[event.key]));
+    const jump = KEYS.get(event.key);
+    if (jump !== undefined) index = Math.max(0, Math.min(last, here + jump));
     else if (event.key === "Home") index = 0;
     else if (event.key === "End") index = last;
     else if (event.key === "Escape") index = -1;
@@ -118,7 +150,13 @@ export class ChartFigure {
   }
 }
 
-/** What a figure's table does to the view's list of open tables, for `onToggle`. */
+/**
+ * What a figure's table does to the view's list of open tables, for `onToggle`.
+ *
+ * @param {View<{ table: Field<string[]> }>} view
+ * @param {string} name
+ * @returns {(isOpen: boolean) => void}
+ */
 export function remembersTable(view, name) {
   return (isOpen) => {
     const others = view.get("table").filter((each) => each !== name);

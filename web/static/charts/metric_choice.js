@@ -1,21 +1,32 @@
 /** The choice of what curves show: only returns have a normalised scale. */
-import { element } from "../parts/element.js";
+import { element, field } from "../parts/element.js";
 import { RETURNS } from "./drawing.js";
+
+/** @import { Field, View } from "../parts/view.js" */
 
 export class MetricChoice {
   #form;
   #view;
 
+  /**
+   * @param {HTMLFormElement} form
+   * @param {View<{ metric: Field<string> }>} view
+   */
   constructor(form, view) {
     this.#form = form;
     this.#view = view;
-    view.addEventListener("change", () => this.offer([]));
+    view.onChange(() => this.offer([]));
     this.offer([]);
   }
 
-  /** Offer metrics beside those that are offered already. */
+  /**
+   * Offer metrics beside those that are offered already.
+   *
+   * @param {string[]} names
+   */
   offer(names) {
-    const { metric, normalization } = this.#form.elements;
+    const metric = field(this.#form, "metric", HTMLSelectElement);
+    const normalization = field(this.#form, "normalization", HTMLFieldSetElement);
     const offered = new Set([...metric.options].map((option) => option.value));
     for (const name of new Set([...RETURNS, ...names, this.#view.get("metric")])) {
       if (!offered.has(name)) metric.append(element("option", { value: name }, name));

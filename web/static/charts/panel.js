@@ -4,11 +4,23 @@ import { fillCurveTable } from "./curve_table.js";
 import { chartData } from "./drawing.js";
 import { ChartFigure, remembersTable } from "./figure.js";
 
+/**
+ * @import { Identities } from "../parts/identity.js"
+ * @import { View } from "../parts/view.js"
+ * @import { Axes, Fields } from "./drawing.js"
+ *
+ * @typedef {{ panel: Api.Panel, known: Identities, axes: Axes }} Shown
+ */
+
 export class Panel {
   #environment;
   #view;
   #figure;
 
+  /**
+   * @param {string} environment
+   * @param {View<Fields>} view
+   */
   constructor(environment, view) {
     this.#environment = environment;
     this.#view = view;
@@ -20,7 +32,11 @@ export class Panel {
     return this.#figure.node;
   }
 
-  /** Show the service's answer for this environment under the view as it is now. */
+  /**
+   * Show the service's answer for this environment under the view as it is now.
+   *
+   * @param {Shown} shown
+   */
   update({ panel, known, axes }) {
     const view = this.#view;
     const data = chartData(panel, known, view, axes);

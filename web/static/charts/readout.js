@@ -3,12 +3,26 @@ import { element, setText } from "../parts/element.js";
 import { swatch } from "../parts/swatch.js";
 import { withBand } from "../texts/format.js";
 
+/**
+ * @import { Curve } from "./layers.js"
+ *
+ * What a curve is at a step: nothing, where it has no value there.
+ *
+ * @typedef {object} Values
+ * @property {Curve} curve
+ * @property {number | null} mean
+ * @property {number | null} low
+ * @property {number | null} high
+ * @property {number | null} n
+ */
+
 const GAP = 14;
 
 export class Readout {
   node = element("div", { class: "readout", "aria-hidden": "true", hidden: true });
   #step = element("p", { class: "readout-step" });
   #rows = element("tbody");
+  /** @type {{ value: HTMLElement, n: HTMLElement }[]} */
   #cells = [];
   #labels = "";
 
@@ -19,9 +33,10 @@ export class Readout {
   /**
    * Show one step.
    *
-   * @param step "timesteps 12,000"
-   * @param values from `valuesAt`
-   * @param left where the cursor is, in CSS pixels within the plot of `width`
+   * @param {string} step "timesteps 12,000"
+   * @param {Values[]} values from `valuesAt`
+   * @param {number} left where the cursor is, in CSS pixels within the plot of `width`
+   * @param {number} width
    */
   show(step, values, left, width) {
     this.#prepare(values.map(({ curve }) => curve));
@@ -41,6 +56,7 @@ export class Readout {
     this.node.hidden = true;
   }
 
+  /** @param {Curve[]} curves */
   #prepare(curves) {
     const labels = JSON.stringify(curves.map(({ label, colour, dash }) => [label, colour, dash]));
     if (labels === this.#labels) return;
@@ -62,17 +78,27 @@ export class Readout {
 /**
  * Every curve's values at a step: those of its own last measurement up to there, none beyond its
  * end. Curves of one grid are thus read at exactly the same step.
+ *
+ * @param {Curve[]} curves
+ * @param {number} x
+ * @returns {Values[]}
  */
 export function valuesAt(curves, x) {
   return curves.map((curve) => {
-    const i = x > curve.x.at(-1) ? -1 : lastUpTo(curve.x, x);
+    const i = x > (curve.x.at(-1) ?? -Infinity) ? -1 : lastUpTo(curve.x, x);
     if (i < 0) return { curve, mean: null, low: null, high: null, n: null };
     const low = curve.low?.[i] ?? null;
     return { curve, mean: curve.mean[i], low, high: curve.high?.[i] ?? null, n: curve.n[i] };
   });
 }
 
-/** The same as a sentence. */
+/**
+ * The same as a sentence.
+ *
+ * @param {string} step
+ * @param {Values[]} values
+ * @returns {string}
+ */
 export function sentence(step, values) {
   const parts = values
     .filter(({ mean }) => mean !== null)
@@ -80,7 +106,13 @@ export function sentence(step, values) {
   return `${step}: ${parts.join("; ") || "no values"}`;
 }
 
-/** The index of the last step that is not after x; -1 when all are. */
+/**
+ * The index of the last step that is not after x; -1 when all are.
+ *
+ * @param {number[]} steps
+ * @param {number} x
+ * @returns {number}
+ */
 function lastUpTo(steps, x) {
   let low = -1;
   let high = steps.length;

@@ -6,8 +6,9 @@
  * A constant stays itself from the first value on, and the result depends on the values before it
  * alone. Missing values stay missing and leave the average as it was.
  *
- * @param values (number | null)[]
- * @param weight b; 0 gives the values back
+ * @param {(number | null)[]} values
+ * @param {number} weight b; 0 gives the values back
+ * @returns {(number | null)[]}
  */
 export function smooth(values, weight) {
   let average = 0;

@@ -1,26 +1,28 @@
 /** A curve the size of a word: its shape, without axes. */
+import { shape } from "../parts/element.js";
 
-const SVG = "http://www.w3.org/2000/svg";
 const WIDTH = 96;
 const HEIGHT = 22;
 const MARGIN = 2;
 
 export class Sparkline {
-  node = document.createElementNS(SVG, "svg");
-  #line = document.createElementNS(SVG, "polyline");
+  /** @type {SVGSVGElement} */
+  node;
+  /** @type {SVGPolylineElement} */
+  #line;
   #drawn = "";
 
+  /** @param {string} colour */
   constructor(colour) {
-    this.node.setAttribute("viewBox", `0 0 ${WIDTH} ${HEIGHT}`);
-    this.node.setAttribute("class", "sparkline");
-    this.node.setAttribute("aria-hidden", "true");
-    this.#line.setAttribute("stroke", colour);
-    this.node.append(this.#line);
+    this.#line = shape("polyline", { stroke: colour });
+    const viewBox = `0 0 ${WIDTH} ${HEIGHT}`;
+    const attributes = { viewBox, "class": "sparkline", "aria-hidden": "true" };
+    this.node = shape("svg", attributes, this.#line);
   }
 
   /**
-   * @param values (number | null)[], evenly spaced
-   * @param share of the width that they fill: how far the run is
+   * @param {(number | null)[]} values (number | null)[], evenly spaced
+   * @param {number} share of the width that they fill: how far the run is
    */
   update(values, share) {
     const points = places(values, share).join(" ");
@@ -30,6 +32,11 @@ export class Sparkline {
   }
 }
 
+/**
+ * @param {(number | null)[]} values
+ * @param {number} share
+ * @returns {string[]}
+ */
 function places(values, share) {
   const finite = values.filter((value) => value !== null);
   const low = Math.min(...finite);

@@ -1,14 +1,21 @@
-/** A list of the service that is read page by page and kept as far as it was read. */
-import { get } from "./api.js";
-
+/**
+ * A list of the service that is read page by page and kept as far as it was read.
+ *
+ * @template T
+ */
 export class Listing {
-  #path;
-  #limit;
+  #read;
   #pages = 1;
 
-  constructor(path, limit) {
-    this.#path = path;
-    this.#limit = limit;
+  /**
+   * @typedef {{ after: string | null }} Cursor   null for the first page
+   *
+   * @typedef {{ items: T[], next: string | null }} Page
+   *
+   * @param {(cursor: Cursor, signal: AbortSignal) => Promise<Page>} read reads one page
+   */
+  constructor(read) {
+    this.#read = read;
   }
 
   /** Ask for one page more from now on. */
@@ -16,18 +23,19 @@ export class Listing {
     this.#pages += 1;
   }
 
-  /** Begin again at the first page. */
-  restart() {
-    this.#pages = 1;
-  }
-
-  /** Everything read so far, as it is now: { items, hasMore }. */
-  async fetch(parameters, signal) {
+  /**
+   * Everything read so far, as it is now.
+   *
+   * @param {AbortSignal} signal
+   * @returns {Promise<{ items: T[], hasMore: boolean }>}
+   */
+  async fetch(signal) {
     const items = [];
+    /** @type {string | null} */
     let after = null;
     for (let page = 0; page < this.#pages; page++) {
-      const query = { ...parameters, limit: this.#limit, after };
-      const answer = await get(this.#path, query, signal);
+      /** @type {Page} */
+      const answer = await this.#read({ after }, signal);
       items.push(...answer.items);
       after = answer.next;
       if (after === null) break;

@@ -1,3 +1,5 @@
+import { isDropped } from "./api.js";
+
 const RETRY_MILLISECONDS = 5000;
 
 /** Fetch again when something changed, but neither twice at once nor more often than asked. */
@@ -12,10 +14,13 @@ export class Refresh {
   #wake = () => {};
 
   /**
-   * @param work async (signal) => void; what fetches and shows
-   * @param interval milliseconds between the starts of two fetches; more when fetches are slow, so
-   *   that at least half of the time is left to others
-   * @param onError (error) => void; the work is tried again after five seconds
+   * @typedef {object} Options
+   * @property {number} interval   milliseconds between the starts of two fetches; more when fetches
+   *   are slow, so that at least half of the time is left to others
+   * @property {(error: Error) => void} onError   the work is tried again after five seconds
+   *
+   * @param {(signal: AbortSignal) => Promise<void>} work what fetches and shows
+   * @param {Options} options
    */
   constructor(work, { interval, onError }) {
     this.#work = work;
@@ -53,9 +58,9 @@ export class Refresh {
     try {
       await this.#work(this.#current.signal);
     } catch (error) {
-      if (error.name !== "AbortError") {
+      if (!isDropped(error)) {
         failed = this.#wanted = true;
-        this.#onError(error);
+        this.#onError(/** @type {Error} */ (error));
       }
     }
     const took = performance.now() - started;
@@ -63,6 +68,10 @@ export class Refresh {
     await this.#pause(failed ? RETRY_MILLISECONDS : Math.max(this.#interval - took, took));
   }
 
+  /**
+   * @param {number} milliseconds
+   * @returns {Promise<void>}
+   */
   #pause(milliseconds) {
     return new Promise((resolve) => {
       this.#wake = resolve;

@@ -3,19 +3,22 @@ import { address, get } from "../connection/api.js";
 import { follow } from "../connection/live.js";
 import { Refresh } from "../connection/refresh.js";
 import * as connection from "../connection/state.js";
-import { element } from "../parts/element.js";
+import { at, element } from "../parts/element.js";
 import { algorithmColour } from "../parts/palette.js";
 import { swatch } from "../parts/swatch.js";
 import { count, number } from "../texts/format.js";
 import { settings } from "../texts/schema.js";
 
-const at = (name) => document.getElementById(name);
+const PRESET_HEADS = ["Environment", "w1, w2", "Timesteps", "Settings"];
 const refresh = new Refresh(load, {
   interval: 1000,
   onError: (error) => connection.failed(error),
 });
-follow(address("/events"), (kind) => kind === "reload" && refresh.request());
+follow(address("/events"), (kind) => {
+  if (kind === "reload") refresh.request();
+});
 
+/** @param {AbortSignal} signal */
 async function load(signal) {
   const catalogue = await get("/catalogue", {}, signal);
   fillEnvironments(catalogue.environments);
@@ -25,6 +28,7 @@ async function load(signal) {
   connection.fresh();
 }
 
+/** @param {Api.Environment[]} environments */
 function fillEnvironments(environments) {
   const heads = [
     ["Environment", ""],
@@ -46,6 +50,10 @@ function fillEnvironments(environments) {
   );
 }
 
+/**
+ * @param {Api.Environment} environment
+ * @returns {HTMLElement}
+ */
 function environmentRows(environment) {
   const audit = environment.audit.length > 0 ? environment.audit : [null];
   const rows = audit.map((found, i) =>
@@ -54,10 +62,16 @@ function environmentRows(environment) {
   return element("tbody", {}, ...rows);
 }
 
+/**
+ * @param {Api.Environment} environment
+ * @param {number} rowspan
+ * @returns {HTMLElement[]}
+ */
 function factCells(environment, rowspan) {
   const span = String(rowspan);
-  const numbers = ["state_size", "action_size", "horizon", "max_reward"].map((name) =>
-    element("td", { class: "number", rowspan: span }, number(environment[name])),
+  const { state_size, action_size, horizon, max_reward } = environment;
+  const numbers = [state_size, action_size, horizon, max_reward].map((value) =>
+    element("td", { class: "number", rowspan: span }, number(value)),
   );
   const gradient = environment.reward_is_differentiable ? "yes" : "none: piecewise constant";
   return [
@@ -67,6 +81,10 @@ function factCells(environment, rowspan) {
   ];
 }
 
+/**
+ * @param {Api.Audit | null} found
+ * @returns {HTMLElement[]}
+ */
 function auditCells(found) {
   if (found === null) {
     return [element("td", { class: "muted", colspan: "6" }, "never audited in this version")];
@@ -80,6 +98,10 @@ function auditCells(found) {
   ];
 }
 
+/**
+ * @param {Api.Algorithm} algorithm
+ * @returns {HTMLElement}
+ */
 function algorithmCard(algorithm) {
   const identity = { colour: algorithmColour(algorithm.name), dash: [] };
   const notes = [
@@ -93,14 +115,22 @@ function algorithmCard(algorithm) {
     element("p", {}, algorithm.summary),
     element("p", { class: "muted" }, notes.filter(Boolean).join(" ")),
     tableDetails(algorithm, "Settings", ["Setting", "Kind", "Default"], settingRows(algorithm)),
-    tableDetails(algorithm, "Presets", ["Environment", "w1, w2", "Timesteps", "Settings"], presetRows(algorithm)),
+    tableDetails(algorithm, "Presets", PRESET_HEADS, presetRows(algorithm)),
   );
 }
 
+/**
+ * @param {Api.Algorithm} algorithm
+ * @returns {string[][]}
+ */
 function settingRows({ config_schema: schema }) {
   return settings(schema).map(({ name, kind, initial }) => [name, kind, String(initial ?? "")]);
 }
 
+/**
+ * @param {Api.Algorithm} algorithm
+ * @returns {string[][]}
+ */
 function presetRows({ presets }) {
   return Object.entries(presets).map(([environment, { weights, timesteps, config }]) => [
     environment,
@@ -112,18 +142,26 @@ function presetRows({ presets }) {
   ]);
 }
 
+/**
+ * @param {Api.Algorithm} algorithm
+ * @param {string} title
+ * @param {string[]} heads
+ * @param {string[][]} rows
+ * @returns {HTMLElement}
+ */
 function tableDetails({ name }, title, heads, rows) {
-  const cells = ([first, ...rest]) =>
+  const cells = (/** @type {string[]} */ [first, ...rest]) =>
     element(
       "tr",
       {},
       element("th", { scope: "row" }, first),
       ...rest.map((text) => element("td", {}, text)),
     );
+  const columns = heads.map((text) => element("th", { scope: "col" }, text));
   const table = element(
     "table",
     { class: "data" },
-    element("thead", {}, element("tr", {}, ...heads.map((text) => element("th", { scope: "col" }, text)))),
+    element("thead", {}, element("tr", {}, ...columns)),
     element("tbody", {}, ...rows.map(cells)),
   );
   const scroller = element("div", { "class": "scroller", "role": "region", "tabindex": "0" }, table);

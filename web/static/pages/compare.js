@@ -1,22 +1,20 @@
 /** Two or more sweeps or runs: their curves on one axis, their settings side by side. */
-import { RETURNS } from "../charts/drawing.js";
 import { Legend } from "../charts/legend.js";
 import { MetricChoice } from "../charts/metric_choice.js";
 import { Panel } from "../charts/panel.js";
-import { address, get } from "../connection/api.js";
+import { isNormalized, question } from "../charts/question.js";
+import { address, get, refusalOf } from "../connection/api.js";
 import { follow } from "../connection/live.js";
 import { Refresh } from "../connection/refresh.js";
 import * as connection from "../connection/state.js";
 import { Controls } from "../parts/controls.js";
-import { element, keyed, setText } from "../parts/element.js";
+import { at, element, keyed, setText } from "../parts/element.js";
 import { identities } from "../parts/identity.js";
 import { CURVE_FIELDS, flag, list, name, oneOf, View, xLabel } from "../parts/view.js";
 import { comparedRun, comparedSweep, overlaid, overlaidEntries } from "../sweep/compared.js";
 import { fillDifferences } from "../sweep/differences.js";
 
-const MAX_POINTS = 300;
 const OFFERED = 200;
-const at = (name) => document.getElementById(name);
 
 const view = new View({
   ...CURVE_FIELDS,
@@ -29,10 +27,17 @@ const view = new View({
   hide: list, // labels of curves
   same: flag, // whether settings that agree are shown
 });
+/**
+ * @import { Shown } from "../charts/panel.js"
+ * @import { Compared } from "../sweep/compared.js"
+ */
+
+const same = at("same", HTMLInputElement);
+const offered = at("add", HTMLSelectElement);
 const legend = new Legend(at("legend"), view);
 const showPanels = keyed(
   at("panels"),
-  ({ panel }) => panel.environment,
+  (/** @type {Shown} */ { panel }) => panel.environment,
   ({ panel }) => new Panel(panel.environment, view),
 );
 const showChosen = keyed(at("chosen"), ({ id }) => id, chip);
@@ -40,45 +45,40 @@ const refresh = new Refresh(load, {
   interval: 2000,
   onError: (error) => connection.failed(error),
 });
+/** @type {Compared[]} */
 let compared = [];
 
 if (view.get("run").length > 0) view.set({ band: "none" }); // a single run has none
 new Controls(at("controls"), view);
 new MetricChoice(at("controls"), view);
 
-follow(address("/events"), (kind) => kind !== "run" && refresh.request());
+follow(address("/events"), (kind) => {
+  if (kind !== "run") refresh.request();
+});
 offerSweeps();
-view.addEventListener("change", ({ detail: fields }) => {
+view.onChange((fields) => {
   const asked = ["metric", "scale", "x", "band", "seeds", "sweep", "run"];
   if (fields.some((field) => asked.includes(field))) refresh.hurry();
   else draw();
 });
 document.addEventListener("themechange", draw);
-at("same").checked = view.get("same");
-at("same").addEventListener("change", () => view.set({ same: at("same").checked }));
-at("add").addEventListener("change", () => {
-  view.set({ sweep: [...new Set([...view.get("sweep"), at("add").value])] });
-  at("add").value = "";
+same.checked = view.get("same");
+same.addEventListener("change", () => view.set({ same: same.checked }));
+offered.addEventListener("change", () => {
+  view.set({ sweep: [...new Set([...view.get("sweep"), offered.value])] });
+  offered.value = "";
 });
 
+/** @param {AbortSignal} signal */
 async function load(signal) {
-  const question = {
-    metric: view.get("metric"),
-    normalized: RETURNS.includes(view.get("metric")) && view.get("scale") === "normalized",
-    band: view.get("band") === "none" ? "std" : view.get("band"),
-    x: view.get("x"),
-    max_points: MAX_POINTS,
-    seeds: view.get("seeds"),
-  };
   const asked = [
-    ...view.get("sweep").map((id) => comparedSweep(id, question, signal)),
-    ...view.get("run").map((id) => comparedRun(id, question, signal)),
+    ...view.get("sweep").map((id) => comparedSweep(id, question(view), signal)),
+    ...view.get("run").map((id) => comparedRun(id, question(view), signal)),
   ];
   try {
     compared = await Promise.all(asked);
   } catch (error) {
-    if (error.status !== 404 && error.status !== 422) throw error;
-    setText(at("missing"), error.message);
+    setText(at("missing"), refusalOf(error, 404, 422).message);
     at("missing").hidden = false;
     return;
   }
@@ -90,10 +90,9 @@ async function load(signal) {
 function draw() {
   const panels = overlaid(compared);
   const known = identities(overlaidEntries(compared));
-  const isNormalized = RETURNS.includes(view.get("metric")) && view.get("scale") === "normalized";
   const axes = {
     xLabel: xLabel(view.get("x")),
-    yLabel: isNormalized ? `normalised ${view.get("metric")}` : view.get("metric"),
+    yLabel: isNormalized(view) ? `normalised ${view.get("metric")}` : view.get("metric"),
     xMax: null,
   };
   const isEmpty = compared.length === 0;
@@ -102,15 +101,20 @@ function draw() {
   if (isEmpty) return;
   legend.update(known, panels);
   showPanels(panels.map((panel) => ({ panel, known, axes })));
-  const differing = fillDifferences(at("differences"), compared, view.get("same"));
+  const table = at("differences", HTMLTableElement);
+  const differing = fillDifferences(table, compared, view.get("same"));
   at("alike").hidden = differing > 0 || compared.length < 2;
 }
 
+/**
+ * @param {Compared} compared
+ * @returns {{ node: HTMLElement, update: () => void }}
+ */
 function chip({ id, name, page }) {
   const drop = element("button", { type: "button", class: "quiet" }, "Remove");
   drop.setAttribute("aria-label", `Remove ${name}`);
   drop.addEventListener("click", () => {
-    const without = (ids) => ids.filter((each) => each !== id);
+    const without = (/** @type {string[]} */ ids) => ids.filter((each) => each !== id);
     view.set({ sweep: without(view.get("sweep")), run: without(view.get("run")) });
   });
   return { node: element("li", {}, element("a", { href: page }, name), drop), update: () => {} };
@@ -119,10 +123,10 @@ function chip({ id, name, page }) {
 async function offerSweeps() {
   try {
     const { items } = await get("/sweeps", { limit: OFFERED });
-    at("add").append(
+    offered.append(
       ...items.map((sweep) => element("option", { value: sweep.id }, `${sweep.name} (${sweep.id})`)),
     );
   } catch (error) {
-    connection.failed(error);
+    connection.failed(refusalOf(error));
   }
 }

@@ -4,7 +4,7 @@ import { follow } from "../connection/live.js";
 import { Refresh } from "../connection/refresh.js";
 import * as connection from "../connection/state.js";
 import { Controls } from "../parts/controls.js";
-import { element, setText } from "../parts/element.js";
+import { at, element, field, setText, within } from "../parts/element.js";
 import { flag, list, oneOf, text, View } from "../parts/view.js";
 import { RunList } from "../run/list.js";
 import { Picked } from "../run/picked.js";
@@ -13,8 +13,9 @@ import { count } from "../texts/format.js";
 
 const PAGE = 100;
 const SPARKLINE_POINTS = 40;
-const id = document.getElementById("sweep").dataset.sweep;
-const at = (name) => document.getElementById(name);
+const id = at("sweep").dataset.sweep ?? "";
+const pickAll = at("pick-all", HTMLInputElement);
+const form = at("controls", HTMLFormElement);
 
 const view = new View({
   status: oneOf("all", "running", "queued", "paused", "succeeded", "failed", "diverged", "cancelled"),
@@ -27,15 +28,17 @@ const view = new View({
 });
 const ASKED = ["status", "algorithm", "environment", "sort", "descending"];
 
-const controls = new Controls(at("controls"), view);
-const runs = new RunList(document.querySelector(".runs tbody"), view, () => refreshRuns.hurry());
-const onError = (error) => connection.failed(error);
+const controls = new Controls(form, view);
+const runs = new RunList(within(document, ".runs tbody"), view, () => refreshRuns.hurry());
+const onError = (/** @type {Error} */ error) => connection.failed(error);
 const refreshSweep = new Refresh(loadSweep, { interval: 1000, onError });
 const refreshRuns = new Refresh(loadRuns, { interval: 2000, onError });
 const picked = new Picked(view, () => refreshRuns.hurry());
 const head = new SweepHead(id, " · runs", () => refreshSweep.hurry(), hideRuns);
 
+/** @type {Api.ListedRun[]} */
 let listed = [];
+/** @type {string | null} */
 let next = null; // the cursor of the page after this one
 
 const stream = follow(address(`/sweeps/${id}/events`), () => {
@@ -43,7 +46,7 @@ const stream = follow(address(`/sweeps/${id}/events`), () => {
   refreshRuns.request();
 });
 
-view.addEventListener("change", ({ detail: fields }) => {
+view.onChange((fields) => {
   if (ASKED.some((field) => fields.includes(field)) && !fields.includes("after")) {
     view.set({ after: [] });
   } else if (fields.includes("after")) {
@@ -52,23 +55,28 @@ view.addEventListener("change", ({ detail: fields }) => {
     showRuns();
   }
 });
-at("next").addEventListener("click", () => turn([...view.get("after"), next]));
+at("next").addEventListener("click", () => {
+  if (next !== null) turn([...view.get("after"), next]);
+});
 at("previous").addEventListener("click", () => turn(view.get("after").slice(0, -1)));
-at("pick-all").addEventListener("change", () => {
+pickAll.addEventListener("change", () => {
   const here = listed.map((run) => run.id);
   const elsewhere = view.get("pick").filter((each) => !here.includes(each));
-  view.set({ pick: at("pick-all").checked ? [...elsewhere, ...here] : elsewhere });
+  view.set({ pick: pickAll.checked ? [...elsewhere, ...here] : elsewhere });
 });
 
+/** @param {AbortSignal} signal */
 async function loadSweep(signal) {
   await head.load(signal);
   if (head.sweep === null) return;
+  /** @type {Api.Request} */
   const { algorithms, environments } = head.sweep.request;
   offer("algorithm", algorithms?.map(({ name }) => name) ?? []);
   offer("environment", environments ?? []);
   showRange();
 }
 
+/** @param {AbortSignal} signal */
 async function loadRuns(signal) {
   const chosen = view.get("status");
   const answer = await get(
@@ -95,13 +103,13 @@ function showRuns() {
   runs.show(listed);
   picked.update();
   const pickedHere = listed.filter((run) => view.get("pick").includes(run.id)).length;
-  at("pick-all").checked = pickedHere > 0 && pickedHere === listed.length;
-  at("pick-all").indeterminate = pickedHere > 0 && pickedHere < listed.length;
+  pickAll.checked = pickedHere > 0 && pickedHere === listed.length;
+  pickAll.indeterminate = pickedHere > 0 && pickedHere < listed.length;
   at("loading").hidden = true;
-  document.querySelector(".runs").hidden = listed.length === 0;
+  within(document, ".runs").hidden = listed.length === 0;
   at("no-runs").hidden = listed.length > 0;
-  at("previous").disabled = view.get("after").length === 0;
-  at("next").disabled = next === null;
+  at("previous", HTMLButtonElement).disabled = view.get("after").length === 0;
+  at("next", HTMLButtonElement).disabled = next === null;
   showRange();
 }
 
@@ -112,23 +120,34 @@ function showRange() {
   setText(at("range"), listed.length === 0 ? "" : range + (total ? ` of ${total}` : ""));
 }
 
-/** How many runs there are under the filter, where the sweep's counts say it; else "". */
+/**
+ * How many runs there are under the filter, where the sweep's counts say it; else "".
+ *
+ * @param {Api.Sweep | null} sweep
+ * @returns {string}
+ */
 function totalOf(sweep) {
   if (sweep === null || view.get("algorithm") || view.get("environment")) return "";
   const status = view.get("status");
   return count(sweep.runs[status === "all" ? "total" : status]);
 }
 
+/** @param {string[]} after */
 function turn(after) {
   view.set({ after });
   at("runs").scrollIntoView();
 }
 
-/** Let a filter choose among these names, and the one that it has already. */
-function offer(field, names) {
-  const select = at("controls").elements[field];
+/**
+ * Let a filter choose among these names, and the one that it has already.
+ *
+ * @param {"algorithm" | "environment"} name
+ * @param {string[]} names
+ */
+function offer(name, names) {
+  const select = field(form, name, HTMLSelectElement);
   const offered = new Set([...select.options].map((option) => option.value));
-  for (const each of new Set([...names, view.get(field)])) {
+  for (const each of new Set([...names, view.get(name)])) {
     if (!offered.has(each)) select.append(element("option", { value: each }, each));
   }
   controls.update();

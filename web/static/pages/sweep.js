@@ -1,15 +1,15 @@
 /** A sweep's page: its state, its curves as they grow, its scores. */
 import { toCsv } from "../charts/curve_table.js";
-import { RETURNS } from "../charts/drawing.js";
 import { Legend } from "../charts/legend.js";
 import { MetricChoice } from "../charts/metric_choice.js";
 import { Panel } from "../charts/panel.js";
+import { question } from "../charts/question.js";
 import { address, get } from "../connection/api.js";
 import { follow } from "../connection/live.js";
 import { Refresh } from "../connection/refresh.js";
 import * as connection from "../connection/state.js";
 import { Controls } from "../parts/controls.js";
-import { keyed, setText } from "../parts/element.js";
+import { at, keyed, setText } from "../parts/element.js";
 import { identities } from "../parts/identity.js";
 import { CURVE_FIELDS, flag, list, name, oneOf, text, View, xLabel } from "../parts/view.js";
 import { SweepHead } from "../sweep/head.js";
@@ -17,9 +17,9 @@ import { PaperFigures } from "../sweep/paper_figures.js";
 import { ScoreTable } from "../sweep/scores.js";
 import { Statistics } from "../sweep/statistics.js";
 
-const MAX_POINTS = 300;
-const id = document.getElementById("sweep").dataset.sweep;
-const at = (name) => document.getElementById(name);
+/** @import { Shown } from "../charts/panel.js" */
+
+const id = at("sweep").dataset.sweep ?? "";
 
 const view = new View({
   ...CURVE_FIELDS,
@@ -39,14 +39,15 @@ const metrics = new MetricChoice(at("controls"), view);
 const legend = new Legend(at("legend"), view);
 const showPanels = keyed(
   at("panels"),
-  ({ panel }) => panel.environment,
+  (/** @type {Shown} */ { panel }) => panel.environment,
   ({ panel }) => new Panel(panel.environment, view),
 );
 
+/** @type {Api.Curves | null} */
 let comparison = null; // the latest curves, and the question that they answer
 let answered = "";
 
-const onError = (error) => connection.failed(error);
+const onError = (/** @type {Error} */ error) => connection.failed(error);
 const refreshSweep = new Refresh(loadSweep, { interval: 1000, onError });
 const refreshCurves = new Refresh(loadCurves, { interval: 500, onError });
 const refreshMetrics = new Refresh(loadMetrics, { interval: 30_000, onError });
@@ -57,7 +58,7 @@ const refreshStatistics = new Refresh((signal) => statistics.load(signal), {
 });
 const head = new SweepHead(id, "", () => refreshSweep.hurry(), hideAll);
 const figures = new PaperFigures(view);
-const entries = () => head.sweep.entries;
+const entries = () => head.sweep?.entries ?? [];
 const scores = new ScoreTable(id, view, entries, () => refreshScores.hurry());
 const statistics = new Statistics(id, view, entries, () => refreshStatistics.hurry());
 
@@ -68,9 +69,9 @@ const stream = follow(address(`/sweeps/${id}/events`), (kind) => {
   requestRest();
 });
 
-view.addEventListener("change", () => {
+view.onChange(() => {
   showDownloads();
-  if (JSON.stringify(question()) !== answered) refreshCurves.hurry();
+  if (JSON.stringify(question(view)) !== answered) refreshCurves.hurry();
   else draw();
 });
 document.addEventListener("themechange", draw);
@@ -78,6 +79,7 @@ at("download-csv").addEventListener("click", downloadCsv);
 at("copy-link").addEventListener("click", copyLink);
 showDownloads();
 
+/** @param {AbortSignal} signal */
 async function loadSweep(signal) {
   const isFirst = head.sweep === null;
   await head.load(signal);
@@ -85,19 +87,6 @@ async function loadSweep(signal) {
   draw();
   requestRest();
   figures.show(head.sweep.links);
-}
-
-/** What the service is asked for: only what changes its answer. */
-function question() {
-  const isReturn = RETURNS.includes(view.get("metric"));
-  return {
-    metric: view.get("metric"),
-    normalized: isReturn && view.get("scale") === "normalized",
-    band: view.get("band") === "none" ? "std" : view.get("band"),
-    x: view.get("x"),
-    max_points: MAX_POINTS,
-    seeds: view.get("seeds"),
-  };
 }
 
 /** What lies below the curves, and waits for them: the service would answer all at once, slower. */
@@ -108,8 +97,9 @@ function requestRest() {
   refreshStatistics.request();
 }
 
+/** @param {AbortSignal} signal */
 async function loadCurves(signal) {
-  const asked = question();
+  const asked = question(view);
   const isFirst = comparison === null;
   at("curves").setAttribute("aria-busy", "true");
   comparison = await get(`/sweeps/${id}/curves`, asked, signal);
@@ -121,7 +111,11 @@ async function loadCurves(signal) {
   if (isFirst) requestRest();
 }
 
-/** What there is to show: learners differ in their diagnostics, and start one after the other. */
+/**
+ * What there is to show: learners differ in their diagnostics, and start one after the other.
+ *
+ * @param {AbortSignal} signal
+ */
 async function loadMetrics(signal) {
   metrics.offer(await get(`/sweeps/${id}/metrics`, {}, signal));
 }
@@ -129,7 +123,7 @@ async function loadMetrics(signal) {
 /** Draw the latest answer, unless the person already asks for another. */
 function draw() {
   if (head.sweep === null || comparison === null) return;
-  if (JSON.stringify(question()) !== answered) return;
+  if (JSON.stringify(question(view)) !== answered) return;
   const known = identities(entries());
   const axes = {
     xLabel: xLabel(comparison.x),
@@ -141,18 +135,21 @@ function draw() {
   setText(at("definition"), comparison.definition);
 }
 
-/** The timesteps of every run, null where presets say them or a share is taken. */
+/**
+ * The timesteps of every run, null where presets say them or a share is taken.
+ *
+ * @param {Api.Request} request
+ * @returns {number | null}
+ */
 function timestepsOf({ timesteps, scale = 1 }) {
   return scale === 1 ? (timesteps ?? null) : null;
 }
 
 function showDownloads() {
-  const { metric, ...parameters } = question();
-  delete parameters.seeds;
-  delete parameters.max_points;
+  const { normalized, band, x } = question(view);
   for (const form of ["png", "svg", "pdf"]) {
-    const link = at(`download-${form}`);
-    link.href = address(`/sweeps/${id}/plot.${form}`, parameters);
+    const link = at(`download-${form}`, HTMLAnchorElement);
+    link.href = address(`/sweeps/${id}/plot.${form}`, { normalized, band, x });
     link.download = `sweep-${id}.${form}`;
   }
 }

@@ -1,10 +1,10 @@
 /** The list of sweeps, newest first, as they progress. */
-import { address } from "../connection/api.js";
+import { address, get, refusalOf } from "../connection/api.js";
 import { follow } from "../connection/live.js";
 import { Listing } from "../connection/paging.js";
 import { Refresh } from "../connection/refresh.js";
 import * as connection from "../connection/state.js";
-import { element, keyed, setText } from "../parts/element.js";
+import { at, element, keyed, setText, within } from "../parts/element.js";
 import { statusCounts, timeElement, updateTimes } from "../parts/status.js";
 import { text, View } from "../parts/view.js";
 import { Submission } from "../submit/submission.js";
@@ -13,10 +13,9 @@ import { percent } from "../texts/format.js";
 import { isActive, stateText, summary } from "../texts/sweep.js";
 
 const PAGE = 50;
-const at = (name) => document.getElementById(name);
 
-const listing = new Listing("/sweeps", PAGE);
-const showRows = keyed(at("sweeps").tBodies[0], (sweep) => sweep.id, row);
+const listing = new Listing((page, signal) => get("/sweeps", { ...page, limit: PAGE }, signal));
+const showRows = keyed(within(document, "#sweeps tbody"), (sweep) => sweep.id, row);
 const refresh = new Refresh(load, {
   interval: 1000,
   onError: (error) => connection.failed(error),
@@ -30,8 +29,9 @@ at("more").addEventListener("click", () => {
   refresh.hurry();
 });
 
+/** @param {AbortSignal} signal */
 async function load(signal) {
-  const { items, hasMore } = await listing.fetch({}, signal);
+  const { items, hasMore } = await listing.fetch(signal);
   showRows(items);
   at("loading").hidden = true;
   at("sweeps").hidden = items.length === 0;
@@ -40,6 +40,10 @@ async function load(signal) {
   connection.fresh();
 }
 
+/**
+ * @param {Api.Sweep} first
+ * @returns {{ node: HTMLElement, update: (sweep: Api.Sweep) => void }}
+ */
 function row(first) {
   let sweep = first;
   const bar = element("progress", { max: "1" });
@@ -52,8 +56,8 @@ function row(first) {
   cancel.addEventListener("click", async () => {
     try {
       if (await cancelSweep(sweep)) refresh.hurry();
-    } catch (refusal) {
-      connection.refused(refusal);
+    } catch (error) {
+      connection.refused(refusalOf(error));
     }
   });
   const node = element(
@@ -71,7 +75,7 @@ function row(first) {
     element("td", { class: "actions-cell" }, cancel),
   );
   bar.setAttribute("aria-label", `Progress of ${sweep.name}`);
-  const update = (latest) => {
+  const update = (/** @type {Api.Sweep} */ latest) => {
     sweep = latest;
     bar.value = sweep.progress;
     setText(done, percent(sweep.progress));

@@ -2,6 +2,10 @@
 import { number } from "../texts/format.js";
 import { element } from "./element.js";
 
+/**
+ * @param {HTMLElement} list
+ * @param {object} facts
+ */
 export function showFacts(list, facts) {
   const rows = flat(facts).map(([name, value]) =>
     element("div", {}, element("dt", {}, name), element("dd", {}, value)),
@@ -12,7 +16,13 @@ export function showFacts(list, facts) {
   list.replaceChildren(...rows);
 }
 
-/** [path, text] of every leaf. */
+/**
+ * [path, text] of every leaf.
+ *
+ * @param {object | null} facts
+ * @param {string} [prefix]
+ * @returns {[path: string, text: string][]}
+ */
 export function flat(facts, prefix = "") {
   return Object.entries(facts ?? {}).flatMap(([name, value]) => {
     const path = prefix + name;
@@ -21,6 +31,10 @@ export function flat(facts, prefix = "") {
   });
 }
 
+/**
+ * @param {unknown} value
+ * @returns {string}
+ */
 function factText(value) {
   if (Array.isArray(value)) return value.map(factText).join(", ");
   return typeof value === "number" && !Number.isInteger(value) ? number(value) : String(value);

@@ -2,9 +2,15 @@
 import { ago, count, dateAndTime } from "../texts/format.js";
 import { element, keyed, setText } from "./element.js";
 
+/** @type {Api.RunStatus[]} */
 const STATUSES = ["running", "queued", "paused", "succeeded", "failed", "diverged", "cancelled"];
 
-/** A list of "3 running" entries that keeps up with a sweep's counts; statuses of 0 are left out. */
+/**
+ * A list of "3 running" entries that keeps up with a sweep's counts; statuses of 0 are left out.
+ *
+ * @param {HTMLElement} list
+ * @returns {(sweep: Api.Sweep) => void}
+ */
 export function statusCounts(list) {
   const show = keyed(
     list,
@@ -21,12 +27,22 @@ export function statusCounts(list) {
     );
 }
 
-/** A dot in the colour and shape of a status; the word stands beside it. */
+/**
+ * A dot in the colour and shape of a status; the word stands beside it.
+ *
+ * @param {string} status
+ * @returns {HTMLElement}
+ */
 export function statusMark(status) {
   return element("span", { "class": "mark", "data-status": status, "aria-hidden": "true" });
 }
 
-/** A `<time>` that reads "3 min ago" and grows older by itself through `updateTimes`. */
+/**
+ * A `<time>` that reads "3 min ago" and grows older by itself through `updateTimes`.
+ *
+ * @param {string} iso
+ * @returns {HTMLElement}
+ */
 export function timeElement(iso) {
   const date = new Date(iso);
   return element("time", { datetime: iso, title: dateAndTime(date) }, ago(date));

@@ -1,16 +1,14 @@
-/** A short piece of a curve's line, in its colour and dash. */
+import { shape } from "./element.js";
 
-const SVG = "http://www.w3.org/2000/svg";
-
+/**
+ * A short piece of a curve's line, in its colour and dash.
+ *
+ * @param {{ colour: string, dash: number[] }} identity
+ * @returns {SVGSVGElement}
+ */
 export function swatch({ colour, dash }) {
-  const icon = document.createElementNS(SVG, "svg");
-  const line = document.createElementNS(SVG, "line");
-  const attributes = { x1: 0, y1: 4, x2: 26, y2: 4, stroke: colour, "stroke-width": 2.5 };
-  for (const [name, value] of Object.entries(attributes)) line.setAttribute(name, value);
+  const line = shape("line", { x1: 0, y1: 4, x2: 26, y2: 4, stroke: colour });
+  line.setAttribute("stroke-width", "2.5");
   if (dash.length > 0) line.setAttribute("stroke-dasharray", dash.join(" "));
-  icon.setAttribute("viewBox", "0 0 26 8");
-  icon.setAttribute("class", "swatch");
-  icon.setAttribute("aria-hidden", "true");
-  icon.append(line);
-  return icon;
+  return shape("svg", { "viewBox": "0 0 26 8", "class": "swatch", "aria-hidden": "true" }, line);
 }

@@ -5,6 +5,7 @@
   const root = document.documentElement;
   const storage = "d3pg.theme";
 
+  /** @returns {string} */
   function read() {
     try {
       return localStorage.getItem(storage) || "system";
@@ -13,6 +14,7 @@
     }
   }
 
+  /** @param {string} theme */
   function write(theme) {
     try {
       localStorage.setItem(storage, theme);
@@ -29,7 +31,8 @@
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", announce);
   document.addEventListener("DOMContentLoaded", () => {
     const choice = document.getElementById("theme");
-    choice.value = root.dataset.theme;
+    if (!(choice instanceof HTMLSelectElement)) return;
+    choice.value = read();
     choice.addEventListener("change", () => {
       root.dataset.theme = choice.value;
       write(choice.value);

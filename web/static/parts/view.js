@@ -1,37 +1,60 @@
 /** What a person chose to see. All of it lives in the address, so that a link shows the same. */
 
-// A field reads its value out of the address's texts, null when they make no sense.
+/**
+ * A field of a view: it reads its value out of the address's texts, null when they make no sense.
+ *
+ * @template T
+ * @typedef {{ initial: T, parse(texts: string[]): T | null, format(value: T): string[] }} Field
+ */
 
+/**
+ * The values of a view's fields.
+ *
+ * @template {Record<string, Field<any>>} F
+ * @typedef {{ [K in keyof F]: F[K]["initial"] }} Values
+ */
+
+/**
+ * @template {string} const T
+ * @param {[T, ...T[]]} choices
+ * @returns {Field<T>}
+ */
 export const oneOf = (...choices) => ({
   initial: choices[0],
-  parse: ([text]) => (choices.includes(text) ? text : null),
+  parse: ([text]) => choices.find((choice) => choice === text) ?? null,
   format: (choice) => [choice],
 });
+/** @type {Field<boolean>} */
 export const flag = {
   initial: false,
   parse: ([text]) => (text === "1" ? true : null),
   format: (value) => (value ? ["1"] : []),
 };
+/** @type {(initial: string) => Field<string>} */
 export const name = (initial) => ({
   initial,
   parse: ([text]) => (/^[\w.-]+$/.test(text) ? text : null),
   format: (value) => [value],
 });
+/** @type {Field<string>} */
 export const text = {
   initial: "",
   parse: ([value]) => value,
   format: (value) => [value],
 };
+/** @type {Field<number>} */
 export const share = {
   initial: 0,
   parse: ([text]) => (Number(text) > 0 && Number(text) < 1 ? Number(text) : null),
   format: (value) => [String(value)],
 };
+/** @type {Field<number>} */
 export const whole = {
   initial: 0,
   parse: ([text]) => (/^\d{1,9}$/.test(text) ? Number(text) : null),
   format: (value) => [String(value)],
 };
+/** @type {Field<string[]>} */
 export const list = {
   initial: [],
   parse: (texts) => texts,
@@ -39,10 +62,14 @@ export const list = {
 };
 
 /** What stands at the x axis, where it is not the field's own value. */
-const X_LABELS = { seconds: "processor seconds of training" };
+const X_LABELS = new Map([["seconds", "processor seconds of training"]]);
 
+/**
+ * @param {string} x
+ * @returns {string}
+ */
 export function xLabel(x) {
-  return X_LABELS[x] ?? x;
+  return X_LABELS.get(x) ?? x;
 }
 
 /** How learning curves are looked at, wherever they are drawn. */
@@ -54,27 +81,47 @@ export const CURVE_FIELDS = {
   table: list, // charts whose table is open
 };
 
-/** Dispatches "change" with detail: the names of the fields that changed. */
-export class View extends EventTarget {
+/** @template {Record<string, Field<any>>} F */
+export class View {
   #fields;
-  #values = {};
+  /** @type {Values<F>} */
+  #values;
+  /** @type {((fields: string[]) => void)[]} */
+  #listeners = [];
 
-  /** @param fields by name, made of the kinds above */
+  /** @param {F} fields by name, made of the kinds above */
   constructor(fields) {
-    super();
     this.#fields = fields;
-    this.#read();
+    this.#values = this.#read();
     window.addEventListener("popstate", () => {
-      this.#read();
+      this.#values = this.#read();
       this.#announce(Object.keys(fields));
     });
   }
 
+  /**
+   * @template {keyof F} K
+   * @param {K} field
+   * @returns {F[K]["initial"]}
+   */
   get(field) {
     return this.#values[field];
   }
 
-  /** Change some fields; the address follows, without a new entry in the browser's history. */
+  /**
+   * Have a function called whenever fields change.
+   *
+   * @param {(fields: string[]) => void} listener takes the names of those that changed
+   */
+  onChange(listener) {
+    this.#listeners.push(listener);
+  }
+
+  /**
+   * Change some fields; the address follows, without a new entry in the browser's history.
+   *
+   * @param {Partial<Values<F>>} changes
+   */
   set(changes) {
     Object.assign(this.#values, changes);
     const query = this.#query();
@@ -82,42 +129,44 @@ export class View extends EventTarget {
     this.#announce(Object.keys(changes));
   }
 
-  /** Everything as a first visit shows it, but for some fields. */
-  reset(kept = []) {
-    const values = Object.fromEntries(kept.map((field) => [field, this.#values[field]]));
-    this.set({ ...this.#initial(), ...values });
+  /** Show everything as a first visit does. */
+  reset() {
+    this.set(this.#initial());
   }
 
   get isInitial() {
     return this.#query().size === 0;
   }
 
+  /** @param {string[]} fields */
   #announce(fields) {
-    this.dispatchEvent(new CustomEvent("change", { detail: fields }));
+    for (const listener of this.#listeners) listener(fields);
   }
 
+  /** @returns {Values<F>} */
   #read() {
     const query = new URLSearchParams(location.search);
-    this.#values = this.#initial();
-    for (const [name, field] of Object.entries(this.#fields)) {
+    const entries = Object.entries(this.#fields).map(([name, field]) => {
       const value = query.has(name) ? field.parse(query.getAll(name)) : null;
-      if (value !== null) this.#values[name] = value;
-    }
+      return [name, value ?? field.initial];
+    });
+    return Object.fromEntries(entries);
   }
 
   /** Only what differs from a first visit's view. */
   #query() {
     const query = new URLSearchParams();
-    for (const [name, field] of Object.entries(this.#fields)) {
-      const texts = field.format(this.#values[name]);
-      if (String(texts) === String(field.format(field.initial))) continue;
-      for (const text of texts) query.append(name, text);
+    for (const [name, { format, initial }] of Object.entries(this.#fields)) {
+      const texts = format(this.#values[name]);
+      if (String(texts) === String(format(initial))) continue;
+      for (const each of texts) query.append(name, each);
     }
     return query;
   }
 
+  /** @returns {Values<F>} */
   #initial() {
-    const entries = Object.entries(this.#fields);
-    return Object.fromEntries(entries.map(([name, field]) => [name, field.initial]));
+    const entries = Object.entries(this.#fields).map(([name, { initial }]) => [name, initial]);
+    return Object.fromEntries(entries);
   }
 }

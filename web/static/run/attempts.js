@@ -1,14 +1,22 @@
 /** How often a run was claimed, and how each attempt ended: the error, the worker's last words. */
 import { element, keyed, setText } from "../parts/element.js";
 import { statusMark, timeElement } from "../parts/status.js";
-import { count, duration } from "../texts/format.js";
+import { count, duration, secondsBetween } from "../texts/format.js";
 
-/** @returns (attempts) => void; shows them in the list, the latest first */
+/**
+ * @param {HTMLElement} list
+ * @returns {(attempts: Api.Attempt[]) => void} shows them in the list, the latest
+ *   first
+ */
 export function attemptList(list) {
   const show = keyed(list, (attempt) => attempt.attempt, entry);
-  return (attempts) => show([...attempts].reverse());
+  return (attempts) => show(attempts.toReversed());
 }
 
+/**
+ * @param {Api.Attempt} first
+ * @returns {{ node: HTMLElement, update: (attempt: Api.Attempt) => void }}
+ */
 function entry(first) {
   const outcome = element("span");
   const took = element("span", { class: "muted" });
@@ -30,11 +38,11 @@ function entry(first) {
     error.node,
     log.node,
   );
-  const update = (attempt) => {
+  const update = (/** @type {Api.Attempt} */ attempt) => {
     outcome.replaceChildren(statusMark(attempt.outcome), attempt.outcome);
-    const seconds = (new Date(attempt.ended_at) - new Date(attempt.started_at)) / 1000;
-    const resumed = attempt.resumed_timestep > 0 ? `, taken up at ${count(attempt.resumed_timestep)}` : "";
-    setText(took, (attempt.ended_at === null ? "" : `, took ${duration(seconds)}`) + resumed);
+    const { started_at: start, ended_at: end, resumed_timestep: from } = attempt;
+    const resumed = from ? `, taken up at ${count(from)}` : "";
+    setText(took, (end === null ? "" : `, took ${duration(secondsBetween(start, end))}`) + resumed);
     setText(note, attempt.note ?? "");
     error.update(attempt.error);
     log.update(attempt.log_tail);
@@ -42,10 +50,14 @@ function entry(first) {
   return { node, update };
 }
 
+/**
+ * @param {string} title
+ * @returns {{ node: HTMLElement, update: (content: string) => void }}
+ */
 function block(title) {
   const text = element("pre", { "tabindex": "0", "aria-label": title });
   const node = element("details", { open: true }, element("summary", {}, title), text);
-  const update = (content) => {
+  const update = (/** @type {string} */ content) => {
     setText(text, content);
     node.hidden = content === "";
   };

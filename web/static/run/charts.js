@@ -1,5 +1,5 @@
 /** The charts of one run, which share their cursor. */
-import { yScale } from "../charts/drawing.js";
+import { slicer, yScale } from "../charts/drawing.js";
 import { ChartFigure, remembersTable } from "../charts/figure.js";
 import { smooth } from "../charts/smoothing.js";
 import { element, keyed } from "../parts/element.js";
@@ -8,20 +8,37 @@ import { xLabel } from "../parts/view.js";
 import { count, number } from "../texts/format.js";
 import { abscissa, chartsOf } from "./diagnostics.js";
 
+/**
+ * @import { CURVE_FIELDS, View } from "../parts/view.js"
+ * @import { Data } from "../charts/chart.js"
+ * @import { Curve } from "../charts/layers.js"
+ * @import { ChartOf, Columns } from "./diagnostics.js"
+ *
+ * @typedef {typeof CURVE_FIELDS} Fields
+ * @typedef {{ chart: ChartOf, run: Api.Run, columns: Columns, view: View<Fields> }} Shown
+ */
+
 export class RunCharts {
   #view;
   #show;
 
+  /**
+   * @param {HTMLElement} container
+   * @param {View<Fields>} view
+   */
   constructor(container, view) {
     this.#view = view;
     this.#show = keyed(
       container,
-      ({ chart }) => chart.title,
+      (/** @type {Shown} */ { chart }) => chart.title,
       ({ chart }) => new RunChart(chart.title, view),
     );
   }
 
-  /** @param columns of the service's measurements */
+  /**
+   * @param {Api.Run} run
+   * @param {Columns} columns
+   */
   update(run, columns) {
     this.#show(chartsOf(columns).map((chart) => ({ chart, run, columns, view: this.#view })));
   }
@@ -31,6 +48,10 @@ class RunChart {
   #title;
   #figure;
 
+  /**
+   * @param {string} title
+   * @param {View<Fields>} view
+   */
   constructor(title, view) {
     this.#title = title;
     const texts = { title, label: title };
@@ -41,6 +62,7 @@ class RunChart {
     return this.#figure.node;
   }
 
+  /** @param {Shown} shown */
   update({ chart, run, columns, view }) {
     const data = runData(chart, run, columns, view);
     const smoothed =
@@ -53,20 +75,33 @@ class RunChart {
   }
 }
 
-/** Which line is which, where there are several. */
+/**
+ * Which line is which, where there are several.
+ *
+ * @param {ChartOf} chart
+ * @returns {string}
+ */
 function legendText({ names }) {
   const styles = ["solid", "dashed", "dotted", "dash-dotted"];
   if (names.length < 2) return "";
   return `${names.map((name, i) => `${name} ${styles[i % styles.length]}`).join(", ")}. `;
 }
 
+/**
+ * @param {ChartOf} chart
+ * @param {Api.Run} run
+ * @param {Columns} columns
+ * @param {View<Fields>} view
+ * @returns {Data}
+ */
 function runData({ title, names }, run, columns, view) {
   const x = abscissa(columns, view.get("x"));
   const from = view.get("logx") ? x.findIndex((value) => value > 0) : 0;
-  const rest = (values) => (from < 0 ? [] : values.slice(from));
+  const rest = slicer(from);
   const curves = names.map((name, i) => {
     const mean = rest(columns[name]);
     const weight = view.get("smoothing");
+    /** @type {Curve} */
     const drawn = {
       label: name,
       colour: algorithmColour(run.algorithm),
@@ -93,6 +128,12 @@ function runData({ title, names }, run, columns, view) {
   };
 }
 
+/**
+ * @param {HTMLTableElement} table
+ * @param {string[]} names
+ * @param {Columns} columns
+ * @param {string} x
+ */
 function fillTable(table, names, columns, x) {
   const steps = abscissa(columns, x);
   const heads = [x, ...names].map((name) => element("th", { scope: "col" }, name));

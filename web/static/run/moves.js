@@ -2,7 +2,12 @@
 import { post } from "../connection/api.js";
 import { confirm } from "../parts/confirm.js";
 
-/** Cancel a run if the person means it. Throws Refusal. */
+/**
+ * Cancel a run if the person means it. Throws Refusal.
+ *
+ * @param {Api.Run} run
+ * @returns {Promise<boolean>}
+ */
 export async function cancelRun(run) {
   const meant = await confirm({
     title: "Cancel this run?",
@@ -16,7 +21,12 @@ export async function cancelRun(run) {
   return meant;
 }
 
-/** Queue a failed run again. Throws Refusal. */
+/**
+ * Queue a failed run again. Throws Refusal.
+ *
+ * @param {Api.Run} run
+ * @returns {Promise<Api.Run>}
+ */
 export function retryRun(run) {
   return post(`/runs/${run.id}/retry`);
 }

@@ -1,12 +1,15 @@
 /** The selected runs: compared, or moved one after the other, whatever page of the list they are on. */
-import { post } from "../connection/api.js";
+import { post, refusalOf } from "../connection/api.js";
 import { confirm } from "../parts/confirm.js";
-import { setText } from "../parts/element.js";
+import { at, setText } from "../parts/element.js";
 import { count, counted } from "../texts/format.js";
 import { statusText } from "../texts/run.js";
 
+/** @import { Field, View } from "../parts/view.js" */
+/** @typedef {"pause" | "resume" | "retry" | "cancel"} Verb */
+
+/** @type {Verb[]} */
 const VERBS = ["pause", "resume", "retry", "cancel"];
-const at = (name) => document.getElementById(name);
 
 export class Picked {
   #view;
@@ -14,8 +17,8 @@ export class Picked {
   #moving = false;
 
   /**
-   * @param view its field "pick" lists the ids that are selected
-   * @param refetch () => void; runs were moved
+   * @param {View<{ pick: Field<string[]> }>} view its field "pick" lists the ids that are selected
+   * @param {() => void} refetch runs were moved
    */
   constructor(view, refetch) {
     this.#view = view;
@@ -47,17 +50,21 @@ export class Picked {
     }
   }
 
+  /** @param {Verb} verb */
   async #move(verb) {
     const ids = [...this.#ids];
     if (verb === "cancel" && !(await isMeant(ids.length))) return;
     this.#moving = true;
     this.update();
+    /** @type {string[]} */
     const statuses = []; // where the runs stand now
+    /** @type {string[]} */
     const refusals = [];
     for (const id of ids) {
       try {
         statuses.push(statusText(await post(`/runs/${id}/${verb}`)));
-      } catch (refusal) {
+      } catch (error) {
+        const refusal = refusalOf(error);
         refusals.push(refusal.message);
         if (refusal.status === 0 || refusal.status === 401) break; // so would the others be
       }
@@ -70,6 +77,10 @@ export class Picked {
   }
 }
 
+/**
+ * @param {number} length
+ * @returns {Promise<boolean>}
+ */
 function isMeant(length) {
   return confirm({
     title: `Cancel ${counted(length, "run")}?`,
@@ -81,7 +92,13 @@ function isMeant(length) {
   });
 }
 
-/** "3 paused. 1 refused: Run ...-4 has succeeded ..." */
+/**
+ * "3 paused. 1 refused: Run ...-4 has succeeded ..."
+ *
+ * @param {string[]} statuses
+ * @param {string[]} refusals
+ * @returns {string}
+ */
 function result(statuses, refusals) {
   const kinds = [...new Set(statuses)];
   const parts = kinds.map((kind) => `${statuses.filter((each) => each === kind).length} ${kind}`);

@@ -1,48 +1,48 @@
 /** Playback of an episode: play and pause, a step at a time, scrubbing, speed. */
-import { setText } from "../parts/element.js";
+import { at, setText } from "../parts/element.js";
 
-const at = (name) => document.getElementById(name);
 
-/** Dispatches "step" whenever another step is to be shown. */
-export class Player extends EventTarget {
+export class Player {
   #last = 0;
   #secondsPerStep = 1;
   #position = 0; // in steps, fractional while it plays
   #playing = false;
   #speed;
+  #onStep;
+  #scrub = at("scrub", HTMLInputElement);
 
-  /** @param speed to begin with */
-  constructor(speed) {
-    super();
-    this.#speed = speed;
-    at("speed").value = String(speed);
+  /**
+   * @param {string} speed to begin with
+   * @param {() => void} onStep another step is to be shown
+   */
+  constructor(speed, onStep) {
+    this.#speed = Number(speed);
+    this.#onStep = onStep;
+    const choice = at("speed", HTMLSelectElement);
+    choice.value = speed;
+    choice.addEventListener("change", () => (this.#speed = Number(choice.value)));
     at("play").addEventListener("click", () => this.#toggle());
-    at("scrub").addEventListener("input", () => this.#jump(Number(at("scrub").value)));
-    at("speed").addEventListener("change", () => (this.#speed = Number(at("speed").value)));
+    this.#scrub.addEventListener("input", () => this.#jump(Number(this.#scrub.value)));
     at("viewer").addEventListener("keydown", (event) => this.#onKey(event));
   }
 
   /**
    * Show an episode.
    *
-   * @param last its last step
-   * @param secondsPerStep of the task's own time
-   * @param step to begin with
+   * @param {number} last its last step
+   * @param {number} secondsPerStep of the task's own time
+   * @param {number} step to begin with
    */
   load(last, secondsPerStep, step) {
     if (this.#playing) this.#toggle();
     this.#last = last;
     this.#secondsPerStep = secondsPerStep;
-    at("scrub").max = String(last);
+    this.#scrub.max = String(last);
     this.#jump(step);
   }
 
   get step() {
     return Math.floor(this.#position);
-  }
-
-  get speed() {
-    return this.#speed;
   }
 
   get isPlaying() {
@@ -57,8 +57,9 @@ export class Player extends EventTarget {
       return;
     }
     if (this.step === this.#last) this.#position = 0;
+    /** @type {number | null} */
     let before = null; // a frame's time is that of its beginning, which may lie before the click
-    const advance = (now) => {
+    const advance = (/** @type {number} */ now) => {
       if (!this.#playing) return;
       this.#position += (this.#speed * (now - (before ?? now))) / 1000 / this.#secondsPerStep;
       before = now;
@@ -73,21 +74,26 @@ export class Player extends EventTarget {
     requestAnimationFrame(advance);
   }
 
+  /** @param {number} step */
   #jump(step) {
     this.#position = Math.max(0, Math.min(this.#last, step));
     this.#show();
   }
 
   #show() {
-    at("scrub").value = String(this.step);
-    this.dispatchEvent(new Event("step"));
+    this.#scrub.value = String(this.step);
+    this.#onStep();
   }
 
-  /** Keys beside those of the inputs: k plays and pauses, comma and full stop go a step. */
+  /**
+   * Keys beside those of the inputs: k plays and pauses, comma and full stop go a step.
+   *
+   * @param {KeyboardEvent} event
+   */
   #onKey(event) {
-    const jumps = { ",": this.step - 1, ".": this.step + 1 };
     if (event.key === "k") this.#toggle();
-    else if (event.key in jumps) this.#jump(jumps[event.key]);
+    else if (event.key === ",") this.#jump(this.step - 1);
+    else if (event.key === ".") this.#jump(this.step + 1);
     else return;
     event.preventDefault();
   }

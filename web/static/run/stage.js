@@ -1,11 +1,23 @@
+/** A task drawn on a canvas from its film: metres, y up, shapes in the order of painting. */
+import { faint, themeColour } from "../parts/palette.js";
+
 /**
- * A task drawn on a canvas from its film: metres, y up, shapes in the order of painting.
+ * An episode's film, and its contacts, [x, y, px, py] each, of every step (m, N s).
  *
  * styles  [{ shape: "capsule" | "polygon", role, radius }]
  * frames  a frame per state: [[style, x, y, x, y, ...], ...]
  * views   (left, bottom, right, top) of each frame, or a single one for all
+ *
+ * @typedef {Pick<Api.Episode, "styles" | "frames" | "views" | "contacts">} Film
+ *
+ * What is drawn with a frame.
+ *
+ * @typedef {object} Extras
+ * @property {number[][]} trail        [x, y] each: a line behind the shapes
+ * @property {number[]} ghosts         frames of which the body is shown faintly
+ * @property {number[][]} faintArrows  impulses of earlier steps
+ * @property {number[][]} arrows       impulses of this one
  */
-import { faint, themeColour } from "../parts/palette.js";
 
 const LONGEST_ARROW = 0.6; // of the view's height
 const HEAD_PIXELS = 8;
@@ -18,7 +30,10 @@ export class Stage {
   #film;
   #longest;
 
-  /** @param film an episode's film and its contacts, [x, y, px, py][] of each step (m, N s) */
+  /**
+   * @param {HTMLCanvasElement} canvas
+   * @param {Film} film
+   */
   constructor(canvas, film) {
     this.#canvas = canvas;
     this.#film = film;
@@ -26,9 +41,8 @@ export class Stage {
   }
 
   /**
-   * @param step which frame
-   * @param extras a line behind the shapes, frames of which the body is shown faintly, impulses of
-   *   earlier steps and of this one: { trail: [x, y][], ghosts: number[], faintArrows, arrows }
+   * @param {number} step which frame
+   * @param {Extras} extras
    */
   draw(step, { trail, ghosts, faintArrows, arrows }) {
     const { frames, views } = this.#film;
@@ -39,12 +53,20 @@ export class Stage {
     this.#paint(pen, frames[step], null, 1);
     const metres = (LONGEST_ARROW * (view[3] - view[1])) / this.#longest;
     const red = hex(themeColour("stage-impulse"));
-    for (const [impulses, colour] of [[faintArrows, faint(red, PAST_OPACITY)], [arrows, red]]) {
-      for (const [x, y, px, py] of impulses) pen.arrow(x, y, metres * px, metres * py, colour);
+    for (const [x, y, px, py] of faintArrows) {
+      pen.arrow(x, y, metres * px, metres * py, faint(red, PAST_OPACITY));
     }
+    for (const [x, y, px, py] of arrows) pen.arrow(x, y, metres * px, metres * py, red);
   }
 
-  /** Paint the shapes of some roles, null for all. */
+  /**
+   * Paint the shapes of some roles, null for all.
+   *
+   * @param {Pen} pen
+   * @param {number[][]} frame
+   * @param {string[] | null} roles
+   * @param {number} opacity
+   */
   #paint(pen, frame, roles, opacity) {
     for (const [number, ...points] of frame) {
       const { shape, role, radius } = this.#film.styles[number];
@@ -63,6 +85,10 @@ class Pen {
   #y;
   #scale;
 
+  /**
+   * @param {HTMLCanvasElement} canvas
+   * @param {number[]} view
+   */
   constructor(canvas, [left, bottom, right, top]) {
     const width = canvas.clientWidth;
     const height = Math.round(width * Math.min(HIGHEST, (top - bottom) / (right - left)));
@@ -71,12 +97,17 @@ class Pen {
     canvas.height = height * density;
     this.#scale = Math.min(width / (right - left), height / (top - bottom));
     const margin = (width - this.#scale * (right - left)) / 2;
-    this.#x = (x) => margin + this.#scale * (x - left);
-    this.#y = (y) => this.#scale * (top - y);
-    this.#context = canvas.getContext("2d");
+    this.#x = (/** @type {number} */ x) => margin + this.#scale * (x - left);
+    this.#y = (/** @type {number} */ y) => this.#scale * (top - y);
+    this.#context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
     this.#context.scale(density, density);
   }
 
+  /**
+   * @param {number[]} ends
+   * @param {number} radius
+   * @param {string} colour
+   */
   capsule([x1, y1, x2, y2], radius, colour) {
     const context = this.#context;
     context.strokeStyle = context.fillStyle = colour;
@@ -93,6 +124,10 @@ class Pen {
     context.stroke();
   }
 
+  /**
+   * @param {number[]} points
+   * @param {string} colour
+   */
   polygon(points, colour) {
     const context = this.#context;
     context.fillStyle = colour;
@@ -104,6 +139,10 @@ class Pen {
     context.fill();
   }
 
+  /**
+   * @param {number[][]} points
+   * @param {string} colour
+   */
   line(points, colour) {
     const context = this.#context;
     context.strokeStyle = colour;
@@ -115,7 +154,15 @@ class Pen {
     context.setLineDash([]);
   }
 
-  /** An arrow from a point, the head at its end and no longer than it. */
+  /**
+   * An arrow from a point, the head at its end and no longer than it.
+   *
+   * @param {number} x
+   * @param {number} y
+   * @param {number} dx
+   * @param {number} dy
+   * @param {string} colour
+   */
   arrow(x, y, dx, dy, colour) {
     const context = this.#context;
     const [fromX, fromY, toX, toY] = [this.#x(x), this.#y(y), this.#x(x + dx), this.#y(y + dy)];
@@ -140,9 +187,15 @@ class Pen {
   }
 }
 
-/** "rgb(1, 2, 3)", as browsers give registered colours back, as "#010203". */
+/**
+ * "rgb(1, 2, 3)", as browsers give registered colours back, as "#010203".
+ *
+ * @param {string} colour
+ * @returns {string}
+ */
 function hex(colour) {
   const parts = colour.match(/[\d.]+/g);
-  if (!colour.startsWith("rgb")) return colour.trim();
-  return `#${parts.slice(0, 3).map((part) => Math.round(part).toString(16).padStart(2, "0")).join("")}`;
+  if (!colour.startsWith("rgb") || parts === null) return colour.trim();
+  const hexed = parts.slice(0, 3).map((part) => Math.round(Number(part)).toString(16));
+  return `#${hexed.map((digits) => digits.padStart(2, "0")).join("")}`;
 }

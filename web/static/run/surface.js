@@ -14,13 +14,19 @@ const TITLE = 20;
 const GAP = 16;
 const FOOT = 18;
 
-/** { positions [p], actions [k], value [p][k], truth [p][k], policy [p] } */
+/** @typedef {{ x: number, y: number, width: number, height: number, title: string }} Box */
+
+/** Draws { positions [p], actions [k], value [p][k], truth [p][k], policy [p] }. */
 export class Surface {
   #canvas;
   #surface;
   #low;
   #high;
 
+  /**
+   * @param {HTMLCanvasElement} canvas
+   * @param {Api.Surface} surface
+   */
   constructor(canvas, surface) {
     this.#canvas = canvas;
     this.#surface = surface;
@@ -38,14 +44,19 @@ export class Surface {
     );
   }
 
-  /** Draw both surfaces, and where the episode is. */
+  /**
+   * Draw both surfaces, and where the episode is.
+   *
+   * @param {number} position
+   * @param {number} action
+   */
   draw(position, action) {
     const width = this.#canvas.clientWidth;
     const height = Math.round(0.62 * width);
     const density = devicePixelRatio;
     this.#canvas.width = width * density;
     this.#canvas.height = height * density;
-    const context = this.#canvas.getContext("2d");
+    const context = /** @type {CanvasRenderingContext2D} */ (this.#canvas.getContext("2d"));
     context.scale(density, density);
     const each = (width - 3 * GAP) / 2;
     const { value, truth } = this.#surface;
@@ -55,6 +66,13 @@ export class Surface {
     this.#panel(context, second, truth, position, action);
   }
 
+  /**
+   * @param {CanvasRenderingContext2D} context
+   * @param {Box} box
+   * @param {number[][]} values
+   * @param {number} position
+   * @param {number} action
+   */
   #panel(context, box, values, position, action) {
     const { positions, actions, policy } = this.#surface;
     const [cellWidth, cellHeight] = [box.width / positions.length, box.height / actions.length];
@@ -65,10 +83,10 @@ export class Surface {
         context.fillRect(box.x + i * cellWidth, y, cellWidth + 0.6, cellHeight + 0.6);
       }),
     );
-    const along = (value, grid, size) => ((value - grid[0]) / (grid.at(-1) - grid[0])) * size;
+    /** @type {(s: number, a: number) => [x: number, y: number]} */
     const place = (s, a) => [
-      box.x + along(s, positions, box.width),
-      box.y + box.height - along(a, actions, box.height),
+      box.x + box.width * shareOf(s, positions),
+      box.y + box.height * (1 - shareOf(a, actions)),
     ];
     context.strokeStyle = "#000000";
     context.lineWidth = 2;
@@ -86,6 +104,10 @@ export class Surface {
     context.fillText(range, box.x, box.y + box.height + FOOT);
   }
 
+  /**
+   * @param {number} value
+   * @returns {string}
+   */
   #colour(value) {
     const share = (value - this.#low) / (this.#high - this.#low || 1);
     const place = share * (COLOURS.length - 1);
@@ -93,4 +115,16 @@ export class Surface {
     const mixed = COLOURS[i].map((part, c) => part + (place - i) * (COLOURS[i + 1][c] - part));
     return `rgb(${mixed.map(Math.round).join(" ")})`;
   }
+}
+
+/**
+ * How far along a grid a value lies, of one.
+ *
+ * @param {number} value
+ * @param {number[]} grid
+ * @returns {number}
+ */
+function shareOf(value, grid) {
+  const [first] = grid;
+  return (value - first) / (grid[grid.length - 1] - first);
 }

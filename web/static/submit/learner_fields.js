@@ -4,16 +4,30 @@ import { algorithmColour } from "../parts/palette.js";
 import { swatch } from "../parts/swatch.js";
 import { settings } from "../texts/schema.js";
 
+const WEIGHTS_HINT = "Pairs, each a curve of its own: 0.1, 0.1; 0.01, 0";
+
+/**
+ * @import { Setting } from "../texts/schema.js"
+ * @import { Place } from "./faults.js"
+ *
+ * @typedef {{ input: HTMLInputElement, node: HTMLElement }} WeightsField
+ * @typedef {WeightsField & { setting: Setting }} SettingField
+ */
+
 export class LearnerFields {
+  /** @type {HTMLElement} */
   node;
+  /** @type {Api.Algorithm} */
   algorithm;
   #box;
   #reason = element("span", { class: "hint" });
   #details;
   #weights;
   #settings;
+  /** @type {string[] | null} */
   #only = null; // the environments that a draft keeps it to, null for all
 
+  /** @param {Api.Algorithm} algorithm */
   constructor(algorithm) {
     this.algorithm = algorithm;
     const { name, summary } = algorithm;
@@ -47,7 +61,11 @@ export class LearnerFields {
     return this.#box.checked;
   }
 
-  /** Say which of the chosen environments it takes no part in; without any it cannot be chosen. */
+  /**
+   * Say which of the chosen environments it takes no part in; without any it cannot be chosen.
+   *
+   * @param {string[]} chosen
+   */
   limit(chosen) {
     const lacking = chosen.filter((each) => !(each in this.algorithm.presets));
     const left = chosen.filter((each) => this.#only !== null && !this.#only.includes(each));
@@ -60,7 +78,12 @@ export class LearnerFields {
       .join("; ");
   }
 
-  /** What `POST /sweeps` takes of it, with these environments. */
+  /**
+   * What `POST /sweeps` takes of it, with these environments.
+   *
+   * @param {string[]} chosen
+   * @returns {object}
+   */
   request(chosen) {
     const weights = this.algorithm.uses_weights ? readWeights(this.#weights.input.value) : null;
     const config = Object.fromEntries(
@@ -76,13 +99,22 @@ export class LearnerFields {
     };
   }
 
-  /** Those of the chosen environments that it can learn in and is not kept from. */
+  /**
+   * Those of the chosen environments that it can learn in and is not kept from.
+   *
+   * @param {string[]} chosen
+   * @returns {string[]}
+   */
   #able(chosen) {
-    const isIn = (name) => this.#only === null || this.#only.includes(name);
+    const isIn = (/** @type {string} */ name) => this.#only === null || this.#only.includes(name);
     return chosen.filter((name) => name in this.algorithm.presets && isIn(name));
   }
 
-  /** Show such a request; undefined: not chosen. */
+  /**
+   * Show such a request; undefined: not chosen.
+   *
+   * @param {Api.AlgorithmRequest | undefined} request
+   */
   fill(request) {
     this.#box.checked = request !== undefined;
     this.#only = request?.environments ?? null;
@@ -94,14 +126,19 @@ export class LearnerFields {
     this.#fold();
   }
 
-  /** The parts that faults of the i-th algorithm of the request belong to. */
+  /**
+   * The parts that faults of the i-th algorithm of the request belong to.
+   *
+   * @param {number} i
+   * @returns {Place[]}
+   */
   places(i) {
     const field = `algorithms[${i}]`;
-    return [
-      ...this.#settings.map(({ node, setting }) => [`${field}.config.${setting.name}`, node]),
-      [`${field}.weights`, this.#weights.node],
-      [field, this.node],
-    ];
+    /** @type {Place[]} */
+    const ofSettings = this.#settings.map(({ node, setting }) => {
+      return [`${field}.config.${setting.name}`, node];
+    });
+    return [...ofSettings, [`${field}.weights`, this.#weights.node], [field, this.node]];
   }
 
   #fold() {
@@ -109,22 +146,43 @@ export class LearnerFields {
   }
 }
 
+/**
+ * @param {string} name
+ * @returns {WeightsField}
+ */
 function weightsField(name) {
   const id = `weights-${name}`;
-  const hint = element("p", { id: `${id}-hint`, class: "hint" }, "Pairs, each a curve of its own: 0.1, 0.1; 0.01, 0");
-  const input = element("input", { "type": "text", id, "placeholder": "the preset’s", "autocomplete": "off", "aria-describedby": hint.id });
+  const hint = element("p", { id: `${id}-hint`, class: "hint" }, WEIGHTS_HINT);
+  const input = element("input", {
+    "type": "text",
+    id,
+    "placeholder": "the preset’s",
+    "autocomplete": "off",
+    "aria-describedby": hint.id,
+  });
   const label = element("label", { for: id }, "Weights w1, w2");
   return { input, node: element("div", { class: "field" }, label, input, hint) };
 }
 
+/**
+ * @param {string} name
+ * @param {Setting} setting
+ * @returns {SettingField}
+ */
 function settingField(name, setting) {
   const id = `setting-${name}-${setting.name}`;
-  const input = element("input", { type: "text", id, placeholder: String(setting.initial ?? ""), autocomplete: "off" });
+  const placeholder = String(setting.initial ?? "");
+  const input = element("input", { type: "text", id, placeholder, autocomplete: "off" });
   const label = element("label", { for: id }, `${setting.name} (${setting.kind})`);
   return { input, setting, node: element("div", { class: "field" }, label, input) };
 }
 
-/** "0.1, 0.1; 0.01, 0" as the request has it; what is no number is for the service to refuse. */
+/**
+ * "0.1, 0.1; 0.01, 0" as the request has it; what is no number is for the service to refuse.
+ *
+ * @param {string} text
+ * @returns {object | null}
+ */
 export function readWeights(text) {
   const pairs = text.split(";").map((pair) => pair.trim());
   const read = pairs.filter(Boolean).map((pair) => {
@@ -135,12 +193,21 @@ export function readWeights(text) {
   return read.length === 1 ? read[0] : read;
 }
 
+/**
+ * @param {Api.AlgorithmRequest["weights"]} weights
+ * @returns {string}
+ */
 function writeWeights(weights) {
   if (weights === undefined || weights === null) return "";
   return [weights].flat().map(({ w1 = 0, w2 = 0 }) => `${w1}, ${w2}`).join("; ");
 }
 
-/** A number, truth value or list where the text is one, else the text. */
+/**
+ * A number, truth value or list where the text is one, else the text.
+ *
+ * @param {string} text
+ * @returns {unknown}
+ */
 export function readSetting(text) {
   try {
     return JSON.parse(text.replace("−", "-"));

@@ -2,7 +2,12 @@
 import { element } from "../parts/element.js";
 import { count, counted, duration, number } from "../texts/format.js";
 
-/** "48 runs, 960,000 timesteps, about 12 min on 2 workers." */
+/**
+ * "48 runs, 960,000 timesteps, about 12 min on 2 workers."
+ *
+ * @param {Api.Plan} plan
+ * @returns {string}
+ */
 export function estimateText({ runs, timesteps, estimate }) {
   const size = `${counted(runs.total, "run")}, ${count(timesteps)} timesteps`;
   if (!estimate || estimate.core_seconds === null) {
@@ -14,7 +19,12 @@ export function estimateText({ runs, timesteps, estimate }) {
   return `${size}, about ${time}. ${estimate.explanation ?? ""}`.trim();
 }
 
-/** A row per curve and environment: what is left out of the form is the preset's. */
+/**
+ * A row per curve and environment: what is left out of the form is the preset's.
+ *
+ * @param {HTMLTableElement} table
+ * @param {Api.Plan} plan
+ */
 export function fillPlan(table, { cells }) {
   const heads = ["Learner", "Environment", "w1, w2", "Timesteps", "Seeds", "Settings"];
   const rows = cells.map(({ label, environment, weights, timesteps, seeds, config }) => {

@@ -1,24 +1,37 @@
 /** The form that submits a sweep, made of the catalogue; its draft lives in the address. */
-import { get, post } from "../connection/api.js";
-import { element, setText } from "../parts/element.js";
+import { get, isDropped, post, refusalOf } from "../connection/api.js";
+import { at, element, field, setText } from "../parts/element.js";
 import { clearFaults, showFaults } from "./faults.js";
 import { LearnerFields, readSetting } from "./learner_fields.js";
 import { estimateText, fillPlan } from "./plan.js";
 
+/**
+ * @import { Field, View } from "../parts/view.js"
+ *
+ * @typedef {Api.Request} Draft
+ */
+
 const PAUSE_MILLISECONDS = 250; // after the last key, before the service is asked
-const at = (name) => document.getElementById(name);
+const OPTIONAL = /** @type {const} */ (["timesteps", "scale", "priority"]); // numbers
 
 export class Submission {
   #view;
-  #form = at("submission-form");
+  #form = at("submission-form", HTMLFormElement);
+  #submitter = at("submit", HTMLButtonElement);
+  /** @type {LearnerFields[]} */
   #learners = [];
+  /** @type {HTMLInputElement[]} */
   #environments = [];
   #key = newKey();
   #sent = false;
   #asking = new AbortController();
-  #timer = 0;
+  /** @type {ReturnType<typeof setTimeout> | undefined} */
+  #timer;
 
-  /** @param view its field "new" is the draft as JSON, "" while the form is closed */
+  /**
+   * @param {View<{ new: Field<string> }>} view its field "new" is the draft as JSON, "" while the
+   *   form is closed
+   */
   constructor(view) {
     this.#view = view;
     at("new").addEventListener("click", () => this.#open("{}"));
@@ -31,13 +44,14 @@ export class Submission {
     if (view.get("new")) this.#open(view.get("new"));
   }
 
+  /** @param {string} draft */
   async #open(draft) {
     this.#view.set({ new: draft });
     at("submission").hidden = false;
     at("new").setAttribute("aria-expanded", "true");
     if (this.#learners.length === 0) await this.#build();
     this.#fill(parsed(draft));
-    this.#form.elements.name.focus();
+    this.#field("name").focus();
     this.#onInput();
   }
 
@@ -62,13 +76,11 @@ export class Submission {
     );
   }
 
+  /** @param {Draft} draft */
   #fill(draft) {
-    const { name, seeds, timesteps, scale, priority } = this.#form.elements;
-    name.value = draft.name ?? "";
-    seeds.value = [draft.seeds ?? 4].flat().join(", ");
-    timesteps.value = draft.timesteps ?? "";
-    scale.value = draft.scale ?? "";
-    priority.value = draft.priority ?? "";
+    this.#field("name").value = draft.name ?? "";
+    this.#field("seeds").value = [draft.seeds ?? 4].flat().join(", ");
+    for (const name of OPTIONAL) this.#field(name).value = String(draft[name] ?? "");
     for (const learner of this.#learners) {
       learner.fill(draft.algorithms?.find((each) => each.name === learner.algorithm.name));
     }
@@ -79,19 +91,28 @@ export class Submission {
 
   /** What `POST /sweeps` takes. */
   #request() {
-    const { name, seeds, timesteps, scale, priority } = this.#form.elements;
+    const name = this.#field("name").value.trim();
     const environments = this.#chosenEnvironments;
-    const listed = seeds.value.split(",").map((each) => readSetting(each.trim()));
+    const listed = this.#field("seeds").value.split(",").map((each) => readSetting(each.trim()));
     const chosen = this.#learners.filter((learner) => learner.isChosen);
+    const optional = OPTIONAL.map((each) => [each, this.#field(each).value.trim()]);
     return {
-      ...(name.value.trim() ? { name: name.value.trim() } : {}),
+      ...(name ? { name } : {}),
       algorithms: chosen.map((learner) => learner.request(environments)),
       environments,
       seeds: listed.length === 1 ? listed[0] : listed,
-      ...(timesteps.value.trim() ? { timesteps: readSetting(timesteps.value.trim()) } : {}),
-      ...(scale.value.trim() ? { scale: readSetting(scale.value.trim()) } : {}),
-      ...(priority.value.trim() ? { priority: readSetting(priority.value.trim()) } : {}),
+      ...Object.fromEntries(
+        optional.filter(([, text]) => text).map(([each, text]) => [each, readSetting(text)]),
+      ),
     };
+  }
+
+  /**
+   * @param {string} name
+   * @returns {HTMLInputElement}
+   */
+  #field(name) {
+    return field(this.#form, name, HTMLInputElement);
   }
 
   get #chosenEnvironments() {
@@ -102,7 +123,7 @@ export class Submission {
     for (const learner of this.#learners) learner.limit(this.#chosenEnvironments);
     this.#key = newKey(); // another sweep than the one that may have been sent
     this.#view.set({ new: JSON.stringify(this.#request()) });
-    at("submit").disabled = true;
+    this.#submitter.disabled = true;
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => this.#ask(), PAUSE_MILLISECONDS);
   }
@@ -121,58 +142,84 @@ export class Submission {
       return;
     }
     try {
-      const plan = await post("/sweeps?dry_run=true", request, {}, this.#asking.signal);
+      const answer = await post("/sweeps?dry_run=true", request, {}, this.#asking.signal);
+      const plan = /** @type {Api.Plan} */ (answer);
       setText(at("estimate"), estimateText(plan));
       showNotices(plan.notices);
-      fillPlan(at("plan-table"), plan);
+      fillPlan(at("plan-table", HTMLTableElement), plan);
       at("plan").hidden = false;
-      at("submit").disabled = this.#sent;
+      this.#submitter.disabled = this.#sent;
     } catch (error) {
-      if (error.name === "AbortError") return;
-      this.#refused(error);
+      if (isDropped(error)) return;
+      this.#refused(refusalOf(error));
     }
   }
 
   async #submit() {
-    if (this.#sent || at("submit").disabled) return;
-    this.#sent = at("submit").disabled = true;
+    if (this.#sent || this.#submitter.disabled) return;
+    this.#sent = this.#submitter.disabled = true;
     try {
-      const sweep = await post("/sweeps", this.#request(), { "Idempotency-Key": this.#key });
+      const headers = { "Idempotency-Key": this.#key };
+      const sweep = /** @type {Api.Sweep} */ (await post("/sweeps", this.#request(), headers));
       location.assign(`/sweeps/${sweep.id}`);
     } catch (error) {
-      this.#sent = at("submit").disabled = false;
-      this.#refused(error);
+      this.#sent = this.#submitter.disabled = false;
+      this.#refused(refusalOf(error));
     }
   }
 
+  /** @param {import("../connection/api.js").Refusal} refusal */
   #refused({ message, errors }) {
     at("plan").hidden = true;
     setText(at("estimate"), "");
     const learners = this.#learners.filter((learner) => learner.isChosen);
     const fields = [...this.#form.querySelectorAll("[data-fault]")];
-    const homeless = showFaults(errors ?? [], [
+    const homeless = showFaults(errors, [
       ...learners.flatMap((learner, i) => learner.places(i)),
-      ...fields.map((node) => [node.dataset.fault, node]),
+      ...fields.map((node) => place(node)),
     ]);
-    const rest = errors?.length > 0 ? homeless.join(" ") : message;
+    const rest = errors.length > 0 ? homeless.join(" ") : message;
     setText(at("submission-fault"), rest);
     at("submission-fault").hidden = rest === "";
   }
 }
 
-/** What the service remarks on a sweep that it would take. */
+/**
+ * What the service remarks on a sweep that it would take.
+ *
+ * @param {string[]} notices
+ */
 function showNotices(notices) {
   at("submission-notices").replaceChildren(...notices.map((text) => element("p", {}, text)));
   at("submission-notices").hidden = notices.length === 0;
 }
 
-/** One per sweep that is meant: sent twice, it makes one. */
+/**
+ * The field of a request whose faults belong to a part of the form.
+ *
+ * @param {Element} node
+ * @returns {[field: string, node: Element]}
+ */
+function place(node) {
+  return [node.getAttribute("data-fault") ?? "", node];
+}
+
+/**
+ * One per sweep that is meant: sent twice, it makes one.
+ *
+ * @returns {string}
+ */
 function newKey() {
   const bytes = crypto.getRandomValues(new Uint8Array(16));
   return [...bytes].map((byte) => byte.toString(16).padStart(2, "0")).join("");
 }
 
-/** A draft out of the address, empty where it is none. */
+/**
+ * A draft out of the address, empty where it is none.
+ *
+ * @param {string} text
+ * @returns {Draft}
+ */
 function parsed(text) {
   try {
     const draft = JSON.parse(text);

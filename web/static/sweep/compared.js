@@ -5,7 +5,26 @@
 import { get } from "../connection/api.js";
 import { flat } from "../parts/facts.js";
 
-/** @param question what is asked of a sweep's curves */
+/**
+ * @import { Question } from "../charts/question.js"
+ *
+ * @typedef {Pick<Api.Entry, "label" | "algorithm">} Entry
+ *
+ * @typedef {object} Compared
+ * @property {string} id
+ * @property {string} name
+ * @property {string} page
+ * @property {[path: string, text: string][]} settings
+ * @property {Entry[]} entries
+ * @property {Api.Panel[]} panels
+ */
+
+/**
+ * @param {string} id
+ * @param {Question} question what is asked of its curves
+ * @param {AbortSignal} signal
+ * @returns {Promise<Compared>}
+ */
 export async function comparedSweep(id, question, signal) {
   const sweep = await get(`/sweeps/${id}`, {}, signal);
   const { panels } = await get(`/sweeps/${id}/curves`, question, signal);
@@ -19,12 +38,18 @@ export async function comparedSweep(id, question, signal) {
   };
 }
 
-/** A run is a curve of one seed. */
+/**
+ * A run is a curve of one seed.
+ *
+ * @param {string} id
+ * @param {Question} question what is asked of its curve
+ * @param {AbortSignal} signal
+ * @returns {Promise<Compared>}
+ */
 export async function comparedRun(id, question, signal) {
   const run = await get(`/runs/${id}`, {}, signal);
-  const ordinal = id.slice(id.indexOf("-") + 1);
-  const curves = `/sweeps/${run.sweep_id}/curves`;
-  const { panels } = await get(curves, { ...question, run: ordinal }, signal);
+  const asked = { ...question, run: Number(id.slice(id.indexOf("-") + 1)) };
+  const { panels } = await get(`/sweeps/${run.sweep_id}/curves`, asked, signal);
   const label = `${run.label}, seed ${run.seed}`;
   const { algorithm, environment, seed, timesteps, weights, config, fingerprint } = run;
   return {
@@ -40,24 +65,42 @@ export async function comparedRun(id, question, signal) {
   };
 }
 
-function sweepSettings({ request, priority }) {
-  const { algorithms, environments, seeds, timesteps, scale } = request;
+/**
+ * @param {Api.Sweep} sweep
+ * @returns {object}
+ */
+function sweepSettings(sweep) {
+  /** @type {Api.Request} */
+  const { algorithms = [], environments, seeds, timesteps, scale } = sweep.request;
   const learners = Object.fromEntries(
     algorithms.map(({ name, weights, config, environments: only }, i) => {
       const isAlone = algorithms.filter((other) => other.name === name).length === 1;
-      return [isAlone ? name : `${name} (${i + 1})`, { weights: weightsText(weights), ...(only ? { only } : {}), ...config }];
+      const settings = { weights: weightsText(weights), ...(only ? { only } : {}), ...config };
+      return [isAlone ? name : `${name} (${i + 1})`, settings];
     }),
   );
-  return { environments, seeds, timesteps: timesteps ?? "preset", scale: scale ?? 1, priority, ...learners };
+  const { priority } = sweep;
+  const shared = { environments, seeds, timesteps: timesteps ?? "preset", scale: scale ?? 1 };
+  return { ...shared, priority, ...learners };
 }
 
+/**
+ * @param {Api.Weights | Api.Weights[] | null} [weights]
+ * @returns {string | string[]}
+ */
 function weightsText(weights) {
   if (weights === undefined || weights === null) return "preset";
   return [weights].flat().map(({ w1 = 0, w2 = 0 }) => `(${w1}, ${w2})`);
 }
 
-/** The panels of all of them, environment by environment; a label says whose curve it is. */
+/**
+ * The panels of all of them, environment by environment; a label says whose curve it is.
+ *
+ * @param {Compared[]} compared
+ * @returns {Api.Panel[]}
+ */
 export function overlaid(compared) {
+  /** @type {Map<string, Api.Panel>} */
   const panels = new Map();
   for (const one of compared) {
     for (const panel of one.panels) {
@@ -69,12 +112,25 @@ export function overlaid(compared) {
   return [...panels.values()];
 }
 
-/** The entries of all of them, labelled as their curves are. */
+/**
+ * The entries of all of them, labelled as their curves are.
+ *
+ * @param {Compared[]} compared
+ * @returns {Entry[]}
+ */
 export function overlaidEntries(compared) {
   return compared.flatMap((one) => one.entries.map((entry) => labelled(entry, one, compared)));
 }
 
-/** Under a label that says whose it is: equal ones of two sweeps are told apart by their names. */
+/**
+ * Under a label that says whose it is: equal ones of two sweeps are told apart by their names.
+ *
+ * @template {{ label: string }} T
+ * @param {T} thing
+ * @param {Compared} owner
+ * @param {Compared[]} compared
+ * @returns {T}
+ */
 function labelled(thing, { id, name }, compared) {
   const isUnique = compared.filter((other) => other.name === name).length === 1;
   return { ...thing, label: `${thing.label} · ${isUnique ? name : `${name} (${id})`}` };

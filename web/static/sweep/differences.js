@@ -1,12 +1,15 @@
 /** Settings side by side: a row per setting, a column per thing compared. */
 import { element } from "../parts/element.js";
 
+/** @import { Compared } from "./compared.js" */
+
 /**
  * Fill the table.
  *
- * @param compared of compared.js
- * @param withSame whether settings that all agree in are shown too
- * @returns how many settings differ
+ * @param {HTMLElement} table
+ * @param {Compared[]} compared
+ * @param {boolean} withSame whether settings that all agree in are shown too
+ * @returns {number} how many settings differ
  */
 export function fillDifferences(table, compared, withSame) {
   const columns = compared.map(({ settings }) => new Map(settings));
@@ -25,6 +28,10 @@ export function fillDifferences(table, compared, withSame) {
   return rows.filter(({ differs }) => differs).length;
 }
 
+/**
+ * @param {{ name: string, texts: string[], differs: boolean }} row
+ * @returns {HTMLElement}
+ */
 function tableRow({ name, texts, differs }) {
   return element(
     "tr",

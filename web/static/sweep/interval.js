@@ -1,10 +1,18 @@
 /** An estimate with its interval, drawn on a scale that rows of a table share. */
+import { shape } from "../parts/element.js";
 
-const SVG = "http://www.w3.org/2000/svg";
+/** @typedef {{ value: number, low: number | null, high: number | null }} Estimate */
+
 const WIDTH = 300;
 const HEIGHT = 20;
 
-/** A scale over all estimates and some marked values: value -> 0 to 1. */
+/**
+ * A scale over all estimates and some marked values: value -> 0 to 1.
+ *
+ * @param {Estimate[]} estimates
+ * @param {number[]} marks
+ * @returns {(value: number) => number}
+ */
 export function scaleOf(estimates, marks) {
   const values = estimates.flatMap(({ value, low, high }) => [value, low ?? value, high ?? value]);
   const low = Math.min(...values, ...marks);
@@ -12,7 +20,13 @@ export function scaleOf(estimates, marks) {
   return (value) => 0.02 + (0.96 * (value - low)) / span;
 }
 
-/** @param marks values to compare with, as hairlines */
+/**
+ * @param {Estimate} estimate
+ * @param {string} colour
+ * @param {(value: number) => number} scale
+ * @param {number[]} marks values to compare with, as hairlines
+ * @returns {SVGSVGElement}
+ */
 export function interval({ value, low, high }, colour, scale, marks) {
   const picture = shape("svg", {
     "viewBox": `0 0 ${WIDTH} ${HEIGHT}`,
@@ -20,7 +34,7 @@ export function interval({ value, low, high }, colour, scale, marks) {
     "class": "interval",
     "aria-hidden": "true",
   });
-  const x = (number) => WIDTH * scale(number);
+  const x = (/** @type {number} */ number) => WIDTH * scale(number);
   for (const mark of marks) {
     picture.append(shape("line", { class: "unit", x1: x(mark), x2: x(mark), y1: 0, y2: HEIGHT }));
   }
@@ -31,10 +45,4 @@ export function interval({ value, low, high }, colour, scale, marks) {
   const dot = { x1: x(value), x2: x(value), y1: middle - 6, y2: middle + 6, stroke: colour };
   picture.append(shape("line", dot));
   return picture;
-}
-
-function shape(tag, attributes) {
-  const node = document.createElementNS(SVG, tag);
-  for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);
-  return node;
 }

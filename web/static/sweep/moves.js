@@ -3,9 +3,14 @@ import { post } from "../connection/api.js";
 import { confirm } from "../parts/confirm.js";
 import { counted } from "../texts/format.js";
 
-/** Cancel a sweep if the person means it. Throws Refusal. */
+/**
+ * Cancel a sweep if the person means it. Throws Refusal.
+ *
+ * @param {Api.Sweep} sweep
+ * @returns {Promise<boolean>}
+ */
 export async function cancelSweep(sweep) {
-  const stopping = ["running", "queued", "paused"]
+  const stopping = /** @type {const} */ (["running", "queued", "paused"])
     .filter((status) => sweep.runs[status] > 0)
     .map((status) => counted(sweep.runs[status], `${status} run`));
   const meant = await confirm({

@@ -1,16 +1,19 @@
 /** The paper's figures of a sweep, as the service draws them; drawn once they are looked at. */
-import { element } from "../parts/element.js";
+import { at, element } from "../parts/element.js";
 
 const FORMS = ["png", "svg", "pdf"];
-const at = (name) => document.getElementById(name);
+
+/** @import { Field, View } from "../parts/view.js" */
 
 export class PaperFigures {
   #view;
+  /** @type {[name: string, link: string][]} */
   #links = [];
 
+  /** @param {View<{ figures: Field<boolean> }>} view */
   constructor(view) {
     this.#view = view;
-    const details = at("paper-figures");
+    const details = at("paper-figures", HTMLDetailsElement);
     details.open = view.get("figures");
     details.addEventListener("toggle", () => {
       if (details.open !== view.get("figures")) view.set({ figures: details.open });
@@ -18,7 +21,10 @@ export class PaperFigures {
     });
   }
 
-  /** @param links of the sweep; those called "figure_4" are the figures it has runs for */
+  /**
+   * @param {Record<string, string>} links of the sweep; those called "figure_4" are the figures it
+   *   has runs for
+   */
   show(links) {
     this.#links = Object.entries(links).filter(([name]) => name.startsWith("figure_"));
     at("paper-figures").hidden = this.#links.length === 0;
@@ -32,8 +38,13 @@ export class PaperFigures {
   }
 }
 
+/**
+ * @param {string} number
+ * @param {string} link
+ * @returns {HTMLElement}
+ */
 function figure(number, link) {
-  const address = (form) => link.replace(/\w+$/, form);
+  const address = (/** @type {string} */ form) => link.replace(/\w+$/, form);
   const picture = element("img", {
     src: address("svg"),
     alt: `Figure ${number} of the paper, drawn from this sweep's runs`,

@@ -1,29 +1,41 @@
 /** What went wrong in a sweep, each reason once. */
-import { Listing } from "../connection/paging.js";
-import { element, setText } from "../parts/element.js";
+import { get } from "../connection/api.js";
+import { at, element, setText, within } from "../parts/element.js";
 import { counted } from "../texts/format.js";
 
+const BAD = /** @type {const} */ (["failed", "diverged"]);
 const LISTED = 20;
 const REASONS_SHOWN = 8;
 
-const box = document.getElementById("problems");
+const box = at("problems");
 
-/** Say it; asks only when the counts moved. */
+/**
+ * Say it; asks only when the counts moved.
+ *
+ * @param {Api.Sweep} sweep
+ * @param {AbortSignal} signal
+ */
 export async function loadProblems(sweep, signal) {
-  const statuses = ["failed", "diverged"].filter((status) => sweep.runs[status] > 0);
+  const statuses = BAD.filter((status) => sweep.runs[status] > 0);
   const parts = statuses.map((status) => `${counted(sweep.runs[status], "run")} ${status}`);
   const text = `${parts.join(", ")}.`;
-  const summary = box.querySelector("p");
+  const summary = within(box, "p");
   box.hidden = statuses.length === 0;
   if (box.hidden || summary.textContent === text) return;
-  const path = `/sweeps/${sweep.id}/runs`;
-  const lists = statuses.map((status) => new Listing(path, LISTED).fetch({ status }, signal));
+  const lists = statuses.map((status) =>
+    get(`/sweeps/${sweep.id}/runs`, { status, limit: LISTED }, signal),
+  );
   const runs = (await Promise.all(lists)).flatMap(({ items }) => items);
   setText(summary, text);
-  box.querySelector("ul").replaceChildren(...reasons(runs));
+  within(box, "ul").replaceChildren(...reasons(runs));
 }
 
+/**
+ * @param {Api.ListedRun[]} runs
+ * @returns {HTMLElement[]}
+ */
 function reasons(runs) {
+  /** @type {Map<string, Api.ListedRun[]>} */
   const groups = new Map();
   for (const run of runs) {
     const text = run.reason || "no reason was recorded";

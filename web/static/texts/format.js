@@ -11,12 +11,22 @@ const scientific = new Intl.NumberFormat("en", {
 const clock = new Intl.DateTimeFormat("en-GB", { timeStyle: "medium" });
 const calendar = new Intl.DateTimeFormat("en-GB", { dateStyle: "medium", timeStyle: "short" });
 
-/** A typographic minus: as wide as a plus, and never broken off its number. */
+/**
+ * A typographic minus: as wide as a plus, and never broken off its number.
+ *
+ * @param {string} text
+ * @returns {string}
+ */
 function withMinus(text) {
   return text.replace(/-/g, "−");
 }
 
-/** Four significant digits; a dash where there is no value. */
+/**
+ * Four significant digits; a dash where there is no value.
+ *
+ * @param {number | null | undefined} value
+ * @returns {string}
+ */
 export function number(value) {
   if (value === null || value === undefined) return "–";
   const magnitude = Math.abs(value);
@@ -24,7 +34,14 @@ export function number(value) {
   return withMinus((extreme ? scientific : significant).format(value));
 }
 
-/** "0.842 ± 0.031" where the band is symmetric, else "0.842 (0.8 to 0.9)"; three digits. */
+/**
+ * "0.842 ± 0.031" where the band is symmetric, else "0.842 (0.8 to 0.9)"; three digits.
+ *
+ * @param {number | null} mean
+ * @param {number | null} low
+ * @param {number | null} high
+ * @returns {string}
+ */
 export function withBand(mean, low, high) {
   if (mean === null) return "–";
   const text = withMinus(short.format(mean));
@@ -35,17 +52,33 @@ export function withBand(mean, low, high) {
   return `${text} (${withMinus(`${short.format(low)} to ${short.format(high)}`)})`;
 }
 
-/** A count, with thousands set apart. */
+/**
+ * A count, with thousands set apart.
+ *
+ * @param {number} value
+ * @returns {string}
+ */
 export function count(value) {
   return whole.format(value);
 }
 
-/** "1 run", "12 runs". */
+/**
+ * "1 run", "12 runs".
+ *
+ * @param {number} value
+ * @param {string} noun
+ * @returns {string}
+ */
 export function counted(value, noun) {
   return `${count(value)} ${noun}${value === 1 ? "" : "s"}`;
 }
 
-/** An axis label: 20000 reads "20k", -1500 reads "−1.5k". */
+/**
+ * An axis label: 20000 reads "20k", -1500 reads "−1.5k".
+ *
+ * @param {number} value
+ * @returns {string}
+ */
 export function tick(value) {
   const magnitude = Math.abs(value);
   if (magnitude !== 0 && (magnitude < 1e-3 || magnitude >= 1e12)) {
@@ -55,14 +88,25 @@ export function tick(value) {
   return withMinus(compact.format(value).replace("K", "k"));
 }
 
-/** A share of one, never rounded up to a false "100 %". */
+/**
+ * A share of one, never rounded up to a false "100 %".
+ *
+ * @param {number} share
+ * @returns {string}
+ */
 export function percent(share) {
   return `${Math.floor(share * 100 + 1e-9)} %`;
 }
 
-/** Seconds in the two units that matter: "42 s", "3 min 20 s", "1 h 5 min", "2 d 3 h". */
+/**
+ * Seconds in the two units that matter: "42 s", "3 min 20 s", "1 h 5 min", "2 d 3 h".
+ *
+ * @param {number} seconds
+ * @returns {string}
+ */
 export function duration(seconds) {
   const total = Math.max(0, Math.round(seconds));
+  /** @type {[value: number, unit: string][]} */
   const parts = [
     [Math.floor(total / 86400), "d"],
     [Math.floor(total / 3600) % 24, "h"],
@@ -78,7 +122,12 @@ export function duration(seconds) {
     .join(" ");
 }
 
-/** How long until a sweep ends, as coarse as the estimate is. */
+/**
+ * How long until a sweep ends, as coarse as the estimate is.
+ *
+ * @param {number | null | undefined} seconds
+ * @returns {string}
+ */
 export function remaining(seconds) {
   if (seconds === null || seconds === undefined) return "";
   if (seconds < 10) return "a few seconds left";
@@ -86,18 +135,43 @@ export function remaining(seconds) {
   return `about ${duration(Math.round(seconds / step) * step)} left`;
 }
 
-/** How long ago, as people say it. */
+/**
+ * How long ago, as people say it.
+ *
+ * @param {Date} date
+ * @param {Date} [now]
+ * @returns {string}
+ */
 export function ago(date, now = new Date()) {
-  const seconds = Math.max(0, (now - date) / 1000);
+  const seconds = Math.max(0, (now.getTime() - date.getTime()) / 1000);
   if (seconds < 10) return "just now";
   const step = seconds < 60 ? 10 : seconds < 3600 ? 60 : seconds < 86400 ? 3600 : 86400;
   return `${duration(Math.floor(seconds / step) * step)} ago`;
 }
 
+/**
+ * @param {Date} date
+ * @returns {string}
+ */
 export function timeOfDay(date) {
   return clock.format(date);
 }
 
+/**
+ * @param {Date} date
+ * @returns {string}
+ */
 export function dateAndTime(date) {
   return calendar.format(date);
+}
+
+/**
+ * The seconds from one moment to another, as the service names them.
+ *
+ * @param {string} start
+ * @param {string} end
+ * @returns {number}
+ */
+export function secondsBetween(start, end) {
+  return (Date.parse(end) - Date.parse(start)) / 1000;
 }
