@@ -47,21 +47,30 @@ declare namespace Api {
       ? true
       : false;
 
-  /** The template that an address is of. */
-  type TemplateOf<Address extends string, Method extends "get" | "post"> = {
-    [T in keyof Paths]: Paths[T][Method] extends object
-      ? Fits<Segments<`/api/v1${Address}`>, Segments<T>> extends true
-        ? T
-        : never
-      : never;
-  }[keyof Paths];
+  /** The template that an address is of; those of all, for a union of addresses. */
+  type TemplateOf<Address extends string, Method extends "get" | "post"> = Address extends string
+    ? {
+        [T in keyof Paths]: Paths[T][Method] extends object
+          ? Fits<Segments<`/api/v1${Address}`>, Segments<T>> extends true
+            ? T
+            : never
+          : never;
+      }[keyof Paths]
+    : never;
+
+  /** `unknown` for an address that the service has, else what is wrong with it. */
+  type Known<Address extends string, Method extends "get" | "post"> = [
+    TemplateOf<Address, Method>,
+  ] extends [never]
+    ? { "The service has no such address.": never }
+    : unknown;
 
   type Operation<Address extends string, Method extends "get" | "post"> = Paths[TemplateOf<
     Address,
     Method
   >][Method];
 
-  /** The JSON that an address answers; `never` where the service has no such address. */
+  /** The JSON that an address answers. */
   type Answer<Address extends string, Method extends "get" | "post"> =
     Operation<Address, Method> extends { responses: infer Responses }
       ? {
@@ -75,7 +84,7 @@ declare namespace Api {
 
   /** The parameters that an address takes; what is null is left out. */
   type Query<Address extends string> =
-    Operation<Address, "get"> extends { parameters: { query?: infer Given } }
+    Operation<Address, "get"> extends { parameters: { query?: infer Given extends object } }
       ? { [Name in keyof Given]?: Given[Name] | null }
       : Record<string, never>;
 }

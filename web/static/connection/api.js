@@ -57,21 +57,21 @@ export function address(path, parameters = {}) {
 /**
  * The JSON of a resource; throws Refusal.
  *
- * @template {string} P
- * @param {P} path
- * @param {Api.Query<P> | {}} [parameters]
+ * @template {string} const P
+ * @param {P & Api.Known<P, "get">} path
+ * @param {Api.Query<P>} [parameters]
  * @param {AbortSignal} [signal]
  * @returns {Promise<Api.Answer<P, "get">>}
  */
-export function get(path, parameters = {}, signal = undefined) {
+export function get(path, parameters = undefined, signal = undefined) {
   return send(address(path, parameters), { signal });
 }
 
 /**
  * Ask for an action such as `/sweeps/{id}/cancel`; throws Refusal.
  *
- * @template {string} P
- * @param {P} path
+ * @template {string} const P
+ * @param {P & Api.Known<P, "post">} path
  * @param {object} [body]
  * @param {Record<string, string>} [headers]
  * @param {AbortSignal} [signal]
