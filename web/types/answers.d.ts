@@ -6,7 +6,6 @@ declare namespace Api {
   type Algorithm = Schemas["AlgorithmAnswer"];
   type Attempt = Schemas["AttemptAnswer"];
   type Audit = Schemas["AuditAnswer"];
-  type Catalogue = Schemas["CatalogueAnswer"];
   type Curve = Schemas["CurveAnswer"];
   type Curves = Schemas["CurvesAnswer"];
   type Entry = Schemas["EntryAnswer"];
@@ -14,7 +13,6 @@ declare namespace Api {
   type Episode = Schemas["RolloutAnswer"];
   type Fault = Schemas["FaultAnswer"];
   type ListedRun = Schemas["ListedRunAnswer"];
-  type Measurements = Schemas["MeasurementsAnswer"];
   type Panel = Schemas["PanelAnswer"];
   type Plan = Schemas["DryRunAnswer"];
   type Problem = Schemas["Problem"];

@@ -49,8 +49,8 @@ const refresh = new Refresh(load, {
 let compared = [];
 
 if (view.get("run").length > 0) view.set({ band: "none" }); // a single run has none
-new Controls(at("controls"), view);
-new MetricChoice(at("controls"), view);
+new Controls(at("controls", HTMLFormElement), view);
+new MetricChoice(at("controls", HTMLFormElement), view);
 
 follow(address("/events"), (kind) => {
   if (kind !== "run") refresh.request();

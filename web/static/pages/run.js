@@ -15,9 +15,9 @@ import { Viewer } from "../run/viewer.js";
 import { count, percent } from "../texts/format.js";
 import { activityText, canCancel, canRetry, statusText, tookText } from "../texts/run.js";
 
-const id = at("run").dataset.run ?? "";
-
 /** @import { Columns } from "../run/diagnostics.js" */
+
+const id = at("run").dataset.run ?? "";
 
 const view = new View({
   ...CURVE_FIELDS,
@@ -25,7 +25,7 @@ const view = new View({
   step: whole,
   speed: oneOf("1", "0.25", "0.5", "2", "4"),
 });
-new Controls(at("controls"), view);
+new Controls(at("controls", HTMLFormElement), view);
 const charts = new RunCharts(at("charts"), view);
 const showAttempts = attemptList(at("attempts"));
 const onError = (/** @type {Error} */ error) => connection.failed(error);

@@ -33,9 +33,9 @@ const view = new View({
   figures: flag, // whether the paper's are open
   statistics: flag, // whether they are open
 });
-new Controls(at("controls"), view);
-new Controls(at("score-controls"), view);
-const metrics = new MetricChoice(at("controls"), view);
+new Controls(at("controls", HTMLFormElement), view);
+new Controls(at("score-controls", HTMLFormElement), view);
+const metrics = new MetricChoice(at("controls", HTMLFormElement), view);
 const legend = new Legend(at("legend"), view);
 const showPanels = keyed(
   at("panels"),

@@ -4,37 +4,68 @@
  */
 
 /**
+ * A kind of element, such as HTMLInputElement.
+ *
+ * @template {Element} T
+ * @typedef {{ new (): T, name: string }} Kind
+ */
+
+/**
  * The element of an id, which the page's template has.
  *
- * @template {Element} [T=HTMLElement]
+ * @overload
  * @param {string} id
- * @param {new () => T} [kind] what it has to be
+ * @returns {HTMLElement}
+ */
+/**
+ * @template {Element} T
+ * @overload
+ * @param {string} id
+ * @param {Kind<T>} kind what it has to be
  * @returns {T}
  */
-export function at(id, kind) {
+/**
+ * @param {string} id
+ * @param {Kind<Element>} kind
+ * @returns {Element}
+ */
+export function at(id, kind = HTMLElement) {
   return expected(document.getElementById(id), `#${id}`, kind);
 }
 
 /**
  * The first element of a selector within another.
  *
- * @template {Element} [T=HTMLElement]
+ * @overload
  * @param {ParentNode} parent
  * @param {string} selector
- * @param {new () => T} [kind] what it has to be
+ * @returns {HTMLElement}
+ */
+/**
+ * @template {Element} T
+ * @overload
+ * @param {ParentNode} parent
+ * @param {string} selector
+ * @param {Kind<T>} kind what it has to be
  * @returns {T}
  */
-export function within(parent, selector, kind) {
+/**
+ * @param {ParentNode} parent
+ * @param {string} selector
+ * @param {Kind<Element>} kind
+ * @returns {Element}
+ */
+export function within(parent, selector, kind = HTMLElement) {
   return expected(parent.querySelector(selector), selector, kind);
 }
 
 /**
  * The input of a name in a form.
  *
- * @template {Element} [T=HTMLInputElement]
+ * @template {Element} T
  * @param {HTMLFormElement} form
  * @param {string} name
- * @param {new () => T} [kind] what it has to be
+ * @param {Kind<T>} kind what it has to be
  * @returns {T}
  */
 export function field(form, name, kind) {
@@ -42,16 +73,15 @@ export function field(form, name, kind) {
 }
 
 /**
- * @template T
+ * @template {Element} T
  * @param {unknown} found
  * @param {string} name
- * @param {new () => T} [kind]
+ * @param {Kind<T>} kind
  * @returns {T}
  */
 function expected(found, name, kind) {
-  if (found === null) throw new Error(`The page has no ${name}.`);
-  if (kind && !(found instanceof kind)) throw new Error(`${name} is no ${kind.name}.`);
-  return /** @type {T} */ (found);
+  if (found instanceof kind) return found;
+  throw new Error(found === null ? `The page has no ${name}.` : `${name} is no ${kind.name}.`);
 }
 
 /** @typedef {string | boolean | ((event: any) => void) | null | undefined} Attribute */

@@ -1,7 +1,6 @@
 /** Playback of an episode: play and pause, a step at a time, scrubbing, speed. */
 import { at, setText } from "../parts/element.js";
 
-
 export class Player {
   #last = 0;
   #secondsPerStep = 1;

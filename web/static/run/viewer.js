@@ -6,7 +6,6 @@ import { Player } from "./player.js";
 import { Stage } from "./stage.js";
 import { Surface } from "./surface.js";
 
-
 /**
  * @import { Field, View } from "../parts/view.js"
  *

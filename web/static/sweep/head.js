@@ -8,7 +8,6 @@ import { isActive, stateText, summary } from "../texts/sweep.js";
 import { cancelSweep } from "./moves.js";
 import { loadProblems } from "./problems.js";
 
-
 export class SweepHead {
   /**
    * As it was fetched last, null before.

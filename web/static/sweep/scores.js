@@ -5,7 +5,6 @@ import { identities, identityOf } from "../parts/identity.js";
 import { swatch } from "../parts/swatch.js";
 import { statusTexts } from "../texts/sweep.js";
 
-
 const ENDINGS = { csv: "csv", latex: "tex", markdown: "md" };
 
 /**

@@ -8,7 +8,6 @@ import { count, number, withBand } from "../texts/format.js";
 import { statusTexts } from "../texts/sweep.js";
 import { interval, scaleOf } from "./interval.js";
 
-
 /**
  * @import { Identities } from "../parts/identity.js"
  * @import { Curve } from "../charts/layers.js"
