@@ -70,7 +70,7 @@ export function labelWidth(plot, values) {
  *
  * @param {number} min
  * @param {number} max
- * @param {(value: number) => number} position (value) => its place on the axis, in pixels
+ * @param {(value: number) => number} position a value’s place on the axis, in pixels
  * @param {number} spacing pixels between two ticks, at least
  * @returns {number[]}
  */

@@ -127,6 +127,6 @@ async function offerSweeps() {
       ...items.map((sweep) => element("option", { value: sweep.id }, `${sweep.name} (${sweep.id})`)),
     );
   } catch (error) {
-    connection.failed(refusalOf(error));
+    connection.refused(refusalOf(error));
   }
 }

@@ -49,7 +49,12 @@ export class Submission {
     this.#view.set({ new: draft });
     at("submission").hidden = false;
     at("new").setAttribute("aria-expanded", "true");
-    if (this.#learners.length === 0) await this.#build();
+    try {
+      if (this.#learners.length === 0) await this.#build();
+    } catch (error) {
+      this.#refused(refusalOf(error));
+      return;
+    }
     this.#fill(parsed(draft));
     this.#field("name").focus();
     this.#onInput();
