@@ -63,7 +63,9 @@ export class SweepHead {
     setText(at("remaining"), stateText(sweep));
     setText(at("total"), count(sweep.runs.total));
     const draft = new URLSearchParams({ new: JSON.stringify(sweep.request) });
-    at("again", HTMLAnchorElement).href = `/?${draft}`;
+    const again = at("again", HTMLAnchorElement);
+    again.href = `/?${draft}`;
+    again.hidden = false; // not before: it would lead to an empty form
     this.#showCounts(sweep);
     showActions(sweep);
   }
