@@ -25,6 +25,7 @@ PYTEST := $(BIN)/python -m pytest --durations 40
 CORES  ?= $(shell nproc)
 # A file's tests stay together where they share its fixtures; the long ones are collected first.
 SHARED := -n $(CORES) --dist loadfile --no-loadscope-reorder
+NODE   := PATH="$(CURDIR)/web/node_modules/.bin:$(CURDIR)/$(BIN):$$PATH"
 SUDO   := $(shell test "$$(id -u)" = 0 || echo sudo)
 
 .DEFAULT_GOAL := help
@@ -50,6 +51,17 @@ $(VENV)/installed-dev: $(VENV)/installed
 	@$(PIP) --no-deps 'moviepy~=2.2.1'
 	@touch $@
 
+# Node comes as a wheel and is for development only: no page needs it, and no user.
+web/node_modules/.package-lock.json: web/package.json web/package-lock.json $(VENV)/installed-dev
+	@echo "== Installing what checks the page's scripts"
+	@cd web && $(NODE) npm ci --loglevel error >/dev/null
+	@touch $@
+
+# The answers of the API as TypeScript, of the code as it is.
+web/types/api.d.ts: web/node_modules/.package-lock.json $(shell find service workers/messages -name '*.py')
+	@$(BIN)/python -m tests.web.openapi_document >$(VENV)/openapi.json
+	@cd web && $(NODE) openapi-typescript $(CURDIR)/$(VENV)/openapi.json --output types/api.d.ts >/dev/null
+
 $(VENV)/installed-peers: $(VENV)/installed-dev
 	@echo "== Installing the peers of the benchmarks"
 	@$(PIP) --editable '.[dev,peers]'
@@ -66,12 +78,14 @@ paper: $(VENV)/installed
 
 test: check fast cluster browser
 
-check: $(VENV)/installed-dev
+check: $(VENV)/installed-dev web/types/api.d.ts
 	@echo "== Format, lint, types, import contracts"
 	@$(BIN)/ruff format --check .
 	@$(BIN)/ruff check .
 	@$(BIN)/mypy
 	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/lint-imports
+	@cd web && $(NODE) tsc --project .
+	@cd web && $(NODE) oxlint --deny-warnings .
 
 postgresql:
 	@ls /usr/lib/postgresql/*/bin/initdb >/dev/null 2>&1 || { echo "   installing Debian's postgresql"; \
@@ -109,4 +123,4 @@ format: $(VENV)/installed-dev
 	@$(BIN)/ruff check --fix .
 
 clean:
-	rm -rf $(VENV) web/static/vendor .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) web/node_modules web/types/api.d.ts web/static/vendor .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
