@@ -1,9 +1,9 @@
-"""Memory: what a run comes to fill, worked out from its settings before anything is built.
+"""Memory: what a run fills, computed from its settings before anything is built.
 
     replay    min(replay_size, timesteps)  x  (8 n + 4 (2 F + m + 2)  [+ 4 (F + 1)(C + m)])
 
 The last term, the derivatives, is there where gradients are matched. Each equals its learner's
-`bytes_per_run`. Nothing here is compiled: whoever asks may train nothing.
+`bytes_per_run`. Nothing here is compiled, so that a process that trains nothing can ask.
 
 Glossary: `F` features, `C` seen coordinates, `m` actions, `n` state size, `T` horizon.
 """
@@ -31,10 +31,10 @@ def bytes_per_run(
     timesteps: int,
     config: Mapping[str, Any],
 ) -> int:
-    """Memory that a run comes to fill; 0 where its algorithm does not say.
+    """Bytes of memory that a run fills; 0 if its algorithm does not say.
 
     Raises:
-        ValueError: for an unknown name or a bad value.
+        ValueError: for an unknown name or an invalid value.
     """
     chosen = catalogue.find(algorithm)
     settings = chosen.config_class()(**completed(algorithm, environment, config))

@@ -1,4 +1,4 @@
-"""The exact gradient of whole episodes' returns with respect to the actor that lived them.
+"""The exact gradient of whole episodes' returns with respect to the actor that acted in them.
 
     R = sum over t < e of  r(s_t, a_t, s_{t+1}),    a_t = pi(s_t),   s_{t+1} = f(s_t, a_t)
 
@@ -119,7 +119,7 @@ def return_gradient(
         shape: its sizes.
         mean, inverse: normalisation of its features [F].
         sources: the coordinate each feature depends on [F].
-        episodes: what it lived.
+        episodes: its episodes.
         gradient: the result.
     """
     steps, each, _ = episodes.features.shape

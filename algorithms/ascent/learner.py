@@ -106,7 +106,7 @@ class GDLearner:
         return {}
 
     def restore(self, saved: Mapping[int, Saved]) -> None:
-        """Take up every run where it was left."""
+        """Restore every run as it was saved."""
         for run in self._runs:
             run.restore(saved[run.history.seed].state)
         self._count()
@@ -145,7 +145,7 @@ class GDLearner:
         return {seed: partial(episodes_of, k) for k, seed in enumerate(self.seeds)}
 
     def _learn(self, lived: Mapping[int, Callable[[], LinearizedEpisodes]]) -> list[EarlyEnd]:
-        """Let every run learn from the episodes it lived."""
+        """Let every run learn from its episodes."""
 
         def learn(run: GDRun) -> None:
             with self._stopwatch.training([run.history.seed]):
@@ -154,7 +154,7 @@ class GDLearner:
         return self._each(learn)
 
     def _measure(self, ends: list[EarlyEnd]) -> list[Measurement]:
-        """The measurements that came due during the episodes, of the actors that lived them.
+        """The measurements that came due during the episodes, of the actors that acted in them.
 
         Runs for which that raises leave, and their ends are added to `ends`.
         """

@@ -71,7 +71,7 @@ class GDRun:
         return [(self.history.seed, "episode", i) for i in range(first, first + each)]
 
     def learn(self, episodes: LinearizedEpisodes) -> None:
-        """Update by what the actor lived."""
+        """Update the actor from its episodes."""
         theta, mean, inverse, _ = self.policy()
         gradient = np.empty_like(theta)
         return_gradient(
@@ -130,7 +130,7 @@ class GDRun:
         )
 
     def restore(self, state: State) -> None:
-        """Take up what `state` gave."""
+        """Restore what `state` returned."""
         self.timestep = int(state["timestep"])
         self.updates = int(state["updates"])
         self._best = float(state["best"])

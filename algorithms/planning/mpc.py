@@ -100,7 +100,7 @@ class MPCLearner:
     def advance(self) -> list[Measurement | EarlyEnd]:
         """Do one iteration of every plan, or the action they have come to.
 
-        Runs that were taken up ahead of others wait for them.
+        Runs that were restored ahead of others wait for them.
         """
         ends = self._lose()
         measured = self._advance() if self._histories else []
@@ -139,7 +139,7 @@ class MPCLearner:
         return {}
 
     def restore(self, saved: Mapping[int, Saved]) -> None:
-        """Take up every run where it was left."""
+        """Restore every run as it was saved."""
         for p, history in enumerate(self._histories):
             state = saved[history.seed].state
             self._times[p] = state["time"]

@@ -3,7 +3,7 @@
 Numba keeps compiled kernels on disk, but looks at the kernel's own file alone: it would go on using
 an old kernel after a function in another file, which that kernel calls, was changed. So the kernels
 of a file lie in a folder named after a hash of that file and of all it imports: a change compiles
-again what it may concern, and nothing else.
+again what it may concern, and nothing else, and every checkout of the same source finds the same.
 """
 
 import os
@@ -43,6 +43,8 @@ def compiled_fast(function: F) -> F:
 def _kernel(function: F, fastmath: bool | set[str]) -> F:
     """Compile `function` with our cache folder, leaving numba's own setting to other packages."""
     config: Any = numba.config
+    if config.DISABLE_JIT:  # to look for a mistake in Python
+        return function
     others = config.CACHE_DIR
     folder = _cache_folder(function.__code__.co_filename)
     config.CACHE_DIR = str(folder)
@@ -52,6 +54,7 @@ def _kernel(function: F, fastmath: bool | set[str]) -> F:
         )
         if _can_keep(folder):
             kernel._cache = KernelCache(function)  # as `cache=True` sets numba's own
+            kernel.compile = kernel._cache.one_compiles(kernel.compile)
         return cast("F", kernel)
     finally:
         config.CACHE_DIR = others

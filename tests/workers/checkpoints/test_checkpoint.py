@@ -41,7 +41,7 @@ def checkpoints_of(
     spec: RunSpec = SPEC,
     fingerprint: Mapping[str, Any] = FINGERPRINT,
 ) -> Checkpoints:
-    return Checkpoints(place, Assignment("run-3", attempt, spec), fingerprint)
+    return Checkpoints(place, Assignment("run-3", attempt, spec, 1), fingerprint)
 
 
 def train(checkpoints: Checkpoints, learner: FakeLearner, saves: int) -> FakeLearner:
