@@ -13,6 +13,12 @@ ActivationName = Annotated[
     Literal["tanh", "elu", "silu", "relu"],
     Field(description="activation of hidden units; a hybrid wants a smooth one"),
 ]
+Placebo = Annotated[
+    Literal["none", "shuffled", "untargeted"],
+    Field(
+        description="of a hybrid: with the derivatives of other transitions, or with 0 for a target"
+    ),
+]
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -22,6 +28,7 @@ class DDPGConfig:
     hidden_units: HiddenUnits = 64
     hidden_layers: HiddenLayers = 2
     activation: ActivationName = "tanh"
+    placebo: Placebo = "none"
     batch_size: int = Field(default=64, ge=1, le=1024, description="transitions an update")
     actor_rate: float = Field(
         default=1e-4, gt=0, le=1, description="Adam's step size for the actor"
@@ -51,6 +58,7 @@ class TD3Config:
     hidden_units: HiddenUnits = 64
     hidden_layers: HiddenLayers = 2
     activation: ActivationName = "tanh"
+    placebo: Placebo = "none"
     batch_size: int = Field(default=64, ge=1, le=1024, description="transitions an update")
     actor_rate: float = Field(
         default=1e-3, gt=0, le=1, description="Adam's step size for the actor"
@@ -86,6 +94,7 @@ class SACConfig:
     hidden_units: HiddenUnits = 64
     hidden_layers: HiddenLayers = 2
     activation: ActivationName = "tanh"
+    placebo: Placebo = "none"
     batch_size: int = Field(default=64, ge=1, le=1024, description="transitions an update")
     rate: float = Field(default=3e-4, gt=0, le=1, description="Adam's step size, of every network")
     tau: float = Field(

@@ -158,7 +158,7 @@ def build(
     config: DDPGConfig,
 ) -> OffPolicyLearner:
     """A cohort of DDPG runs; with weights other than 0, of its hybrid (L2)."""
-    return matching_cohort(environment, seeds, matching_of(weights, L2), timesteps, config)
+    return matching_cohort(environment, seeds, weights, L2, timesteps, config)
 
 
 def build_cosine(
@@ -169,7 +169,7 @@ def build_cosine(
     config: DDPGConfig,
 ) -> OffPolicyLearner:
     """A cohort of runs of DDPG's hybrid that matches the gradients' directions."""
-    return matching_cohort(environment, seeds, matching_of(weights, COSINE), timesteps, config)
+    return matching_cohort(environment, seeds, weights, COSINE, timesteps, config)
 
 
 def build_robust(
@@ -180,17 +180,19 @@ def build_robust(
     config: DDPGConfig,
 ) -> OffPolicyLearner:
     """A cohort of runs of DDPG's hybrid with the robust loss."""
-    return matching_cohort(environment, seeds, matching_of(weights, ROBUST), timesteps, config)
+    return matching_cohort(environment, seeds, weights, ROBUST, timesteps, config)
 
 
 def matching_cohort(
     environment: Environment,
     seeds: Sequence[int],
-    matching: Matching,
+    weights: tuple[float, float],
+    loss: int,
     timesteps: int,
     config: DDPGConfig,
 ) -> OffPolicyLearner:
-    """A cohort of runs whose critics match gradients as given."""
+    """A cohort of runs whose critics match gradients by this loss."""
+    matching = matching_of(weights, loss, config.placebo)
     terminal = config.time_limit_is_terminal
     return cohort(
         DDPG, environment, seeds, matching, timesteps, config, time_limit_is_terminal=terminal

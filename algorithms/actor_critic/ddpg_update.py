@@ -102,11 +102,14 @@ def update(
             work.actor, (fit.critic,), work.actions, fit.value,
         )  # fmt: skip
         if losses.is_matched(matching):
-            replay.draw_derivatives(memory, indices[u], coordinates, scaling, work.batch)
+            replay.draw_derivatives(
+                memory, indices[u], coordinates, scaling, work.batch, matching.shift
+            )
             bellman.target_gradient(
                 pi_target, (q_target,), work.batch, rates.gamma,
                 work.actor, (fit.critic,), work.actions, fit.target,
             )  # fmt: skip
+            losses.blind(matching, fit.target)
             report.critic_loss[u], report.gradient_loss[u] = critic.matched_fit(
                 q, work.batch, coordinates, matching, fit, q_gradient
             )
@@ -148,7 +151,7 @@ def gradient_pair(
     work = new_work(memory, learned_actor, learned_critic, indices.size, shapes)
     fit = work.fit
     replay.draw(memory, indices, scaling, work.batch)
-    replay.draw_derivatives(memory, indices, coordinates, scaling, work.batch)
+    replay.draw_derivatives(memory, indices, coordinates, scaling, work.batch, 0)
     pi_target = Parameters(learned_actor.target, actor_shape)
     q_target = Parameters(learned_critic.target, critic_shape)
     bellman.target_value(

@@ -188,7 +188,9 @@ def update(
         replay.draw(memory, indices[u], scaling, work.batch)
         replay.scale_rewards(work.batch, rates.reward_scale)
         if losses.is_matched(matching):
-            replay.draw_derivatives(memory, indices[u], coordinates, scaling, work.batch)
+            replay.draw_derivatives(
+                memory, indices[u], coordinates, scaling, work.batch, matching.shift
+            )
             replay.scale_reward_gradients(work.batch, rates.reward_scale)
         aim_critics(networks.value, rates.gamma, scaling, matching, work, shapes)
         alpha = temperature(networks, rates, scaling)
@@ -227,6 +229,7 @@ def aim_critics(
     soft_bellman.target_value(following, work.batch, gamma, scaling, work.value, work.fit.value)
     if losses.is_matched(matching):
         soft_bellman.target_gradient(following, work.batch, gamma, work.value, work.fit.target)
+        losses.blind(matching, work.fit.target)
 
 
 @compiled_fast
@@ -345,7 +348,7 @@ def gradient_pair(
     work = new_work(memory, networks, indices.size, shapes)
     replay.draw(memory, indices, scaling, work.batch)
     replay.scale_rewards(work.batch, rates.reward_scale)
-    replay.draw_derivatives(memory, indices, coordinates, scaling, work.batch)
+    replay.draw_derivatives(memory, indices, coordinates, scaling, work.batch, 0)
     replay.scale_reward_gradients(work.batch, rates.reward_scale)
     v = Parameters(networks.value.target, shapes.value)
     q = Parameters(networks.critics[0].theta, shapes.critic)

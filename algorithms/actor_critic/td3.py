@@ -148,4 +148,6 @@ def build(
     config: TD3Config,
 ) -> OffPolicyLearner:
     """A cohort of TD3 runs; with weights other than 0, of its hybrid."""
-    return cohort(TD3, environment, seeds, matching_of(weights, ROBUST), timesteps, config)
+    return cohort(
+        TD3, environment, seeds, matching_of(weights, ROBUST, config.placebo), timesteps, config
+    )

@@ -117,7 +117,9 @@ def update(
     for u in range(indices.shape[0]):
         replay.draw(memory, indices[u], scaling, work.batch)
         if losses.is_matched(matching):
-            replay.draw_derivatives(memory, indices[u], coordinates, scaling, work.batch)
+            replay.draw_derivatives(
+                memory, indices[u], coordinates, scaling, work.batch, matching.shift
+            )
         aim(networks, noise[u], rates, scaling, matching, work, shapes)
         step = optimizer.corrected(rates.critic_rate, done + u + 1)
         critic_norm, critic_size = real(0), real(0)
@@ -175,6 +177,7 @@ def aim(
         bellman.through_policy(
             pi, batch, rates.gamma, work.actor, by_input, work.actions, fit.target
         )
+        losses.blind(matching, fit.target)
 
 
 @compiled_fast
@@ -242,9 +245,9 @@ def gradient_pair(
     indices = np.arange(memory.rewards.size)
     work = new_work(memory, networks, indices.size, shapes)
     replay.draw(memory, indices, scaling, work.batch)
-    replay.draw_derivatives(memory, indices, coordinates, scaling, work.batch)
+    replay.draw_derivatives(memory, indices, coordinates, scaling, work.batch, 0)
     silence = np.zeros_like(work.actions)
-    matched = Matching(ONE, ONE, matching.loss)
+    matched = Matching(ONE, ONE, matching.loss, 0, True)
     aim(networks, silence, rates, scaling, matched, work, shapes)
     first = Parameters(networks.critics[0].theta, shapes[1])
     critic.own_gradient(first, work.batch, coordinates, work.fit)

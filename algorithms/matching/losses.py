@@ -52,17 +52,33 @@ class Matching(NamedTuple):
     """Weight of the state gradient."""
     loss: int
     """L2 (Algorithm 1), COSINE (equation 3) or ROBUST."""
+    shift: int
+    """How many rows further the derivatives come from: 0, or 1 for a placebo."""
+    is_aimed: bool
+    """Whether there is a target, not 0 for a placebo."""
 
 
-def matching_of(weights: tuple[float, float], loss: int) -> Matching:
-    """Matching with the weights (w1, w2)."""
-    return Matching(np.float32(weights[0]), np.float32(weights[1]), loss)
+def matching_of(weights: tuple[float, float], loss: int, placebo: str = "none") -> Matching:
+    """Matching with the weights (w1, w2); a placebo has the cost and no information.
+
+    With "shuffled", each transition gets the derivatives of another; with "untargeted", the target
+    is 0, so that the gradient is only kept small.
+    """
+    w1, w2 = np.float32(weights[0]), np.float32(weights[1])
+    return Matching(w1, w2, loss, int(placebo == "shuffled"), placebo != "untargeted")
 
 
 @compiled_fast
 def is_matched(matching: Matching) -> Any:
     """Whether there is a gradient loss at all."""
     return matching.w1 > 0 or matching.w2 > 0
+
+
+@compiled_fast
+def blind(matching: Matching, target: Array) -> None:
+    """Set the target of the gradients to 0 where a placebo wants none."""
+    if not matching.is_aimed:
+        target[:] = 0
 
 
 @compiled_fast

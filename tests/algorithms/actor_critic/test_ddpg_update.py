@@ -117,3 +117,34 @@ def assert_update_is_the_equations(
     assert_stepped(critic, before[2], critic_loss, q, CRITIC_RATE)
     assert_followed(actor, before[1])
     assert_followed(critic, before[3])
+
+
+@pytest.mark.parametrize("placebo", ["shuffled", "untargeted"])
+def test_a_placebo_matches_what_says_nothing(placebo: str) -> None:
+    where = setting("Pendulum")
+    shapes = shapes_in(where, (16, 16), Tanh())
+    actor, critic = (
+        learned(not_small(shape, where.random))._replace(target=not_small(shape, where.random))
+        for shape in shapes
+    )
+    rows = generator(5, "rows").integers(STORED, size=ROWS)
+    batch = PlainBatch(where, rows)
+    if placebo == "shuffled":
+        batch.jacobian, batch.r_gradient = (
+            part.roll(-1, 0) for part in (batch.jacobian, batch.r_gradient)
+        )
+    pi_target, q_target = Plain(actor.target, shapes[0]), Plain(critic.target, shapes[1])
+    q = Plain(critic.theta, shapes[1])
+    value, gradient = batch.targets(
+        lambda x: q_target(torch.cat([x, torch.tanh(pi_target(x))], 1))[:, 0]
+    )
+    aim = torch.zeros_like(gradient) if placebo == "untargeted" else gradient
+    loss = batch.critic_loss(q, (value, aim), (0.7, 0.3), squared)
+    before = critic.theta.copy()
+    rates = Rates(np.float32(GAMMA), np.float32(TAU), ACTOR_RATE, CRITIC_RATE, np.float32(0))
+    told = update(
+        actor, critic, 0, where.memory, rows[None], where.coordinates, where.scaling, rates,
+        matching_of((0.7, 0.3), L2, placebo), shapes, empty_report(1),
+    )  # fmt: skip
+    assert told == (1, -1)
+    assert_stepped(critic, before, loss, q, CRITIC_RATE)
