@@ -35,12 +35,12 @@ from algorithms.actor_critic.learner import OffPolicyLearner, cohort
 from algorithms.actor_critic.parameter_noise import ParameterNoise, action_distance
 from algorithms.experience.replay import Memory
 from algorithms.matching.losses import COSINE, L2, ROBUST, Matching, matching_of
-from algorithms.networks import network
 from algorithms.networks.layer import Array
-from algorithms.networks.network import Shape
 from algorithms.networks.optimizer import learned
+from algorithms.networks.parameters import initial_theta
 from algorithms.networks.policy import Policy
 from algorithms.networks.scaling import Coordinates, Scaling
+from algorithms.networks.shape import Shape, noisy_size, shape_of
 from algorithms.networks.value_scale import UnitChange, rescale_moments, rewrite_fit
 from algorithms.settings import DDPGConfig
 from algorithms.state import State, part, within
@@ -65,8 +65,8 @@ class DDPG:
         """Draw the initial networks."""
         self.reward_scale = 1.0
         self.actor_shape, self._critic_shape = shapes_of(environment, config)
-        self.actor = learned(network.initial(self.actor_shape, generator(seed, "actor")))
-        self.critic = learned(network.initial(self._critic_shape, generator(seed, "critic")))
+        self.actor = learned(initial_theta(self.actor_shape, generator(seed, "actor")))
+        self.critic = learned(initial_theta(self._critic_shape, generator(seed, "critic")))
         self._seed = seed
         self._coordinates = coordinates
         self._matching = matching
@@ -78,7 +78,7 @@ class DDPG:
             np.float32(config.critic_decay),
         )
         self._perturbations = 0
-        self._noise = ParameterNoise(config.noise, network.noisy_size(self.actor_shape))
+        self._noise = ParameterNoise(config.noise, noisy_size(self.actor_shape))
 
     def explorer(self, policy: Policy) -> Policy:
         """A newly perturbed actor."""
@@ -145,8 +145,8 @@ def shapes_of(environment: Environment, config: DDPGConfig) -> tuple[Shape, Shap
     """The sizes of the actor and of the critic."""
     features, actions = environment.feature_size, environment.action_size
     return (
-        network.shape_of(features, actions, config),
-        network.shape_of(features + actions, 1, config),
+        shape_of(features, actions, config),
+        shape_of(features + actions, 1, config),
     )
 
 

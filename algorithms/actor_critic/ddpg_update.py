@@ -22,9 +22,11 @@ from algorithms.matching.critic import CriticWork
 from algorithms.matching.losses import Matching
 from algorithms.networks import finite, network, optimizer
 from algorithms.networks.layer import Array
-from algorithms.networks.network import Parameters, Pass, Shape
+from algorithms.networks.network import Pass
 from algorithms.networks.optimizer import Learned
+from algorithms.networks.parameters import Parameters
 from algorithms.networks.scaling import Coordinates, Scaling
+from algorithms.networks.shape import Shape, decayed_size
 from physics.kernels.compiled import compiled_fast
 
 
@@ -94,7 +96,7 @@ def update(
     q_target = Parameters(learned_critic.target, critic_shape)
     pi_gradient = Parameters(work.actor_gradient, actor_shape)
     q_gradient = Parameters(work.fit.theta_gradient, critic_shape)
-    fit, decayed = work.fit, network.decayed_size(critic_shape)
+    fit, decayed = work.fit, decayed_size(critic_shape)
     for u in range(indices.shape[0]):
         replay.draw(memory, indices[u], scaling, work.batch)
         bellman.target_value(

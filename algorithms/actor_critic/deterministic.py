@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from algorithms.matching import critic
 from algorithms.networks import actor, network
 from algorithms.networks.layer import Array
-from algorithms.networks.network import Parameters, Pass
+from algorithms.networks.network import Pass
+from algorithms.networks.parameters import Parameters
 from algorithms.networks.scaling import Scaling
 from physics.kernels.compiled import compiled_fast
 

@@ -51,11 +51,12 @@ from algorithms.actor_critic.sac_update import (
 )
 from algorithms.experience.replay import Memory
 from algorithms.matching.losses import L2, Matching, matching_of
-from algorithms.networks import network
 from algorithms.networks.layer import Array
 from algorithms.networks.optimizer import learned, learned_alone
+from algorithms.networks.parameters import initial_theta
 from algorithms.networks.policy import Policy
 from algorithms.networks.scaling import Coordinates, Scaling
+from algorithms.networks.shape import shape_of
 from algorithms.networks.value_scale import UnitChange, rewrite_fit
 from algorithms.settings import SACConfig
 from algorithms.state import State, part, within
@@ -159,21 +160,20 @@ def shapes_of(environment: Environment, config: SACConfig) -> Shapes:
     """The sizes of the networks; the policy has a mean and a log sigma for each action."""
     features, m = environment.feature_size, environment.action_size
     return Shapes(
-        network.shape_of(features, 2 * m, config),
-        network.shape_of(features, 1, config),
-        network.shape_of(features + m, 1, config),
+        shape_of(features, 2 * m, config),
+        shape_of(features, 1, config),
+        shape_of(features + m, 1, config),
     )
 
 
 def initial_networks(shapes: Shapes, seed: int) -> Networks:
     """The networks of a run about to begin."""
     first, second = (
-        learned_alone(network.initial(shapes.critic, generator(seed, "critic", k)))
-        for k in range(2)
+        learned_alone(initial_theta(shapes.critic, generator(seed, "critic", k))) for k in range(2)
     )
     return Networks(
-        learned_alone(network.initial(shapes.policy, generator(seed, "actor"))),
-        learned(network.initial(shapes.value, generator(seed, "value"))),
+        learned_alone(initial_theta(shapes.policy, generator(seed, "actor"))),
+        learned(initial_theta(shapes.value, generator(seed, "value"))),
         (first, second),
         learned_alone(np.zeros(1, np.float32)),
     )

@@ -27,9 +27,11 @@ from algorithms.matching.critic import CriticWork
 from algorithms.matching.losses import Matching
 from algorithms.networks import finite, gaussian, network, optimizer
 from algorithms.networks.layer import Array
-from algorithms.networks.network import Parameters, Pass, Shape
+from algorithms.networks.network import Pass
 from algorithms.networks.optimizer import Learned
+from algorithms.networks.parameters import Parameters
 from algorithms.networks.scaling import Coordinates, Scaling
+from algorithms.networks.shape import Shape
 from algorithms.state import State, part, within
 from physics.kernels.compiled import compiled_fast
 

@@ -31,11 +31,12 @@ from algorithms.actor_critic.learner import OffPolicyLearner, cohort
 from algorithms.actor_critic.td3_update import Networks, Rates, gradient_pair, update
 from algorithms.experience.replay import Memory
 from algorithms.matching.losses import ROBUST, Matching, matching_of
-from algorithms.networks import network
 from algorithms.networks.layer import Array
 from algorithms.networks.optimizer import learned
+from algorithms.networks.parameters import initial_theta
 from algorithms.networks.policy import Policy
 from algorithms.networks.scaling import Coordinates, Scaling
+from algorithms.networks.shape import shape_of
 from algorithms.networks.value_scale import UnitChange, rescale_moments, rewrite_fit
 from algorithms.settings import TD3Config
 from algorithms.state import State, part, within
@@ -60,11 +61,11 @@ class TD3:
         """Draw the initial networks."""
         features, m = environment.feature_size, environment.action_size
         self.reward_scale = 1.0
-        self.actor_shape = network.shape_of(features, m, config)
-        self._critic_shape = network.shape_of(features + m, 1, config)
-        self.actor = learned(network.initial(self.actor_shape, generator(seed, "actor")))
+        self.actor_shape = shape_of(features, m, config)
+        self._critic_shape = shape_of(features + m, 1, config)
+        self.actor = learned(initial_theta(self.actor_shape, generator(seed, "actor")))
         first, second = (
-            learned(network.initial(self._critic_shape, generator(seed, "critic", k)))
+            learned(initial_theta(self._critic_shape, generator(seed, "critic", k)))
             for k in range(2)
         )
         self._networks = Networks(self.actor, (first, second))

@@ -25,9 +25,11 @@ from algorithms.matching.critic import CriticWork
 from algorithms.matching.losses import Matching
 from algorithms.networks import actor, finite, network, optimizer
 from algorithms.networks.layer import Array
-from algorithms.networks.network import Parameters, Pass, Shape
+from algorithms.networks.network import Pass
 from algorithms.networks.optimizer import Learned
+from algorithms.networks.parameters import Parameters
 from algorithms.networks.scaling import Coordinates, Scaling
+from algorithms.networks.shape import Shape
 from physics.kernels.compiled import compiled_fast
 
 HALF, ONE = np.float32(0.5), np.float32(1)

@@ -15,8 +15,10 @@ from algorithms.matching import losses
 from algorithms.matching.losses import Matching
 from algorithms.networks import network
 from algorithms.networks.layer import Array
-from algorithms.networks.network import Direction, Parameters, Pass, Shape
+from algorithms.networks.network import Direction, Pass
+from algorithms.networks.parameters import Parameters
 from algorithms.networks.scaling import Coordinates
+from algorithms.networks.shape import Shape
 from physics.kernels.compiled import compiled_fast
 
 

@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 from algorithms.networks import network
 from algorithms.networks.gaussian import spread
 from algorithms.networks.layer import Array
-from algorithms.networks.network import Parameters, Pass, Shape
+from algorithms.networks.network import Pass
+from algorithms.networks.parameters import Parameters
 from algorithms.networks.scaling import normalise
+from algorithms.networks.shape import Shape
 from algorithms.networks.squash import squash, squash_slope
 from physics.kernels.compiled import compiled_fast
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from algorithms.networks.actor import act_rows
-from algorithms.networks.network import Shape
+from algorithms.networks.shape import Shape
 
 
 class Policy(NamedTuple):

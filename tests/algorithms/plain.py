@@ -15,11 +15,11 @@ from torch import Tensor
 import physics
 from algorithms.experience.replay import Memory
 from algorithms.experience.target_jacobian import fold
-from algorithms.networks import network
 from algorithms.networks.activation import ELU, ReLU, SiLU, Tanh
-from algorithms.networks.network import Shape
 from algorithms.networks.optimizer import Learned
+from algorithms.networks.parameters import initial_theta
 from algorithms.networks.scaling import Coordinates, Scaling, Statistics, coordinates_of
+from algorithms.networks.shape import Shape
 from physics.environment import Environment
 from physics.randomness import generator
 
@@ -71,7 +71,7 @@ def setting(name: str) -> Setting:
 
 def not_small(shape: Shape, random: np.random.Generator) -> NDArray[np.float32]:
     """Parameters of a network whose outputs are not small."""
-    theta = network.initial(shape, random)
+    theta = initial_theta(shape, random)
     theta += 0.1 * random.standard_normal(theta.size, np.float32)
     return theta
 

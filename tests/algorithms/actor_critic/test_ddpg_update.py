@@ -10,10 +10,9 @@ import torch
 from algorithms.actor_critic.ddpg_update import Rates, update
 from algorithms.actor_critic.deterministic import empty_report
 from algorithms.matching.losses import COSINE, L2, ROBUST, matching_of
-from algorithms.networks import network
 from algorithms.networks.activation import ELU, Activation, ReLU, SiLU, Tanh
-from algorithms.networks.network import Shape
 from algorithms.networks.optimizer import learned
+from algorithms.networks.shape import Shape, decayed_size
 from physics.randomness import generator
 from tests.algorithms.plain import (
     GAMMA,
@@ -97,7 +96,7 @@ def assert_update_is_the_equations(
     pi, pi_target = (Plain(theta, shapes[0]) for theta in (actor.theta, actor.target))
     q, q_target = (Plain(theta, shapes[1]) for theta in (critic.theta, critic.target))
     targets = batch.targets(lambda x: q_target(torch.cat([x, torch.tanh(pi_target(x))], 1))[:, 0])
-    decayed = q.theta[: network.decayed_size(shapes[1])]
+    decayed = q.theta[: decayed_size(shapes[1])]
     distances = robust(batch.goes_on) if distance is robust else (distance, distance)
     critic_loss = (
         batch.critic_loss(q, targets, weights, *distances) + DECAY / 2 * (decayed**2).sum()

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from algorithms.actor_critic import ddpg_update, sac_update
 from algorithms.actor_critic.sac_update import Networks, Shapes
 from algorithms.matching.losses import COSINE, L2, ROBUST, Matching, matching_of
-from algorithms.networks.network import Shape
 from algorithms.networks.optimizer import learned
+from algorithms.networks.shape import Shape
 from physics.randomness import generator
 from tests.algorithms.plain import GAMMA, STORED, TAU, Setting, not_small, setting
 

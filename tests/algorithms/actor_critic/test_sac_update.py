@@ -7,9 +7,8 @@ from torch.distributions import Normal, TanhTransform
 
 from algorithms.actor_critic.sac_update import Networks, Rates, Shapes, empty_report, update
 from algorithms.matching.losses import L2, matching_of
-from algorithms.networks import network
-from algorithms.networks.network import Shape
 from algorithms.networks.optimizer import learned, learned_alone
+from algorithms.networks.shape import Shape, noisy_size
 from physics.randomness import generator
 from tests.algorithms.plain import (
     GAMMA,
@@ -45,7 +44,7 @@ def networks_in(where: Setting, shapes: Shapes) -> Networks:
     """Random networks; the policy's sigmas lie below, within and above their bounds."""
     random, outputs = where.random, shapes.policy.outputs
     policy = not_small(shapes.policy, random)
-    end = network.noisy_size(shapes.policy)
+    end = noisy_size(shapes.policy)
     policy[end - outputs // 2 : end] = np.resize([-0.5, -21.0, 2.5], outputs // 2)
     first, second = (learned_alone(not_small(shapes.critic, random)) for _ in range(2))
     value = learned(not_small(shapes.value, random))

@@ -8,8 +8,8 @@ from torch import Tensor
 from algorithms.actor_critic.deterministic import empty_report
 from algorithms.actor_critic.td3_update import Networks, Rates, update
 from algorithms.matching.losses import ROBUST, matching_of
-from algorithms.networks.network import Shape
 from algorithms.networks.optimizer import learned
+from algorithms.networks.shape import Shape
 from physics.randomness import generator
 from tests.algorithms.plain import (
     GAMMA,
