@@ -12,6 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from algorithms.actor_critic import ddpg_update, sac_update
+from algorithms.actor_critic.deterministic import empty_report
 from algorithms.actor_critic.sac_update import Networks, Shapes
 from algorithms.matching.losses import COSINE, L2, ROBUST, Matching, matching_of
 from algorithms.networks.optimizer import learned
@@ -56,7 +57,7 @@ def ddpg(where: Setting, matching: Matching, place: Place) -> list[NDArray[Any]]
     random = generator(5, "placement")
     actor, critic = (placed(learned(not_small(shape, random)), place) for shape in shapes)
     rates = ddpg_update.Rates(np.float32(GAMMA), np.float32(TAU), 1e-3, 1e-3, np.float32(1e-2))
-    report = placed(ddpg_update.empty_report(UPDATES), place)
+    report = placed(empty_report(UPDATES), place)
     ddpg_update.update(
         actor, critic, 0, placed(where.memory, place), rows(), placed(where.coordinates, place),
         placed(where.scaling, place), rates, matching, shapes, report,
