@@ -177,8 +177,8 @@ def robust(goes_on: Tensor) -> tuple[Distance, Distance]:
     def bounded(own: Tensor, target: Tensor) -> Tensor:
         rho = (goes_on * target.norm(dim=1)).sum() / goes_on.sum()
         square = ((own - target) ** 2).sum(1)
-        stretch: Tensor = (1 + square / rho**2).sqrt()
-        return goes_on * 2 * rho**2 * (stretch - 1)
+        loss: Tensor = goes_on * 2 * rho**2 * ((1 + square / rho**2).sqrt() - 1)
+        return loss
 
     return bounded, lambda own, target: goes_on * angular(own, target)
 
