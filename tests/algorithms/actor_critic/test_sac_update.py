@@ -107,7 +107,7 @@ def test_update_is_the_equations(
     assert report.entropy[0] == pytest.approx(-log_pi.mean().item(), rel=1e-4)
     assert report.value_loss[0] == pytest.approx(value_loss.item(), rel=1e-4)
     assert report.temperature[0] == pytest.approx(alpha, rel=1e-6)
-    pull = float(log_pi.mean()) + ENTROPY if learns_temperature else 0.0
+    pull = log_pi.mean().item() + ENTROPY if learns_temperature else 0.0
     assert networks.temperature.m[0] == pytest.approx(-0.1 * pull, rel=1e-4)
     assert np.sign(networks.temperature.theta[0] - np.float32(LOG_ALPHA)) == np.sign(pull)
     both = report.critic_loss[0] + report.gradient_loss[0]
