@@ -57,7 +57,7 @@ from algorithms.networks.parameters import initial_theta
 from algorithms.networks.policy import Policy
 from algorithms.networks.scaling import Coordinates, Scaling
 from algorithms.networks.shape import shape_of
-from algorithms.networks.value_scale import UnitChange, rewrite_fit
+from algorithms.networks.value_scale import UnitChange, rescale_moments, rewrite_fit
 from algorithms.settings import SACConfig
 from algorithms.state import State, part, within
 from physics.environment import Environment
@@ -131,7 +131,9 @@ class SAC:
         rewrite_fit(self._networks.value, self._shapes.value, change)
         for critic in self._networks.critics:
             rewrite_fit(critic, self._shapes.critic, change)
-        self._networks.temperature.theta[:] += np.float32(np.log(change.ratio))
+        if self._rates.learns_temperature:
+            self._networks.temperature.theta[:] += np.float32(np.log(change.ratio))
+            rescale_moments(self._networks.policy, np.float32(change.ratio))
 
     def gradient_pair(self, memory: Memory, scaling: Scaling) -> tuple[Array, Array]:
         """The first critic's gradient [B, C + m] and its target."""

@@ -8,7 +8,7 @@ step each of
     Q1, Q2   down   the critic's losses (algorithms.matching.losses)
 
 where V's target and pi's loss have log pi times a temperature alpha. That is 1, or learned, with
-one more step of Adam, so that the entropy comes to be H:
+one more step of Adam, so that the entropy comes to be H. Then pi's loss is divided by the unit of Q:
 
     log alpha   down   -log alpha (mean log pi + H)
 
@@ -195,10 +195,10 @@ def update(
             )
             replay.scale_reward_gradients(work.batch, rates.reward_scale)
         aim_critics(networks.value, rates.gamma, scaling, matching, work, shapes)
-        alpha = temperature(networks, rates, scaling)
-        improve_policy(networks, noise[u], alpha, scaling, work, shapes)
+        q_weight, entropy_weight = weights_of(networks, rates, scaling)
+        improve_policy(networks, noise[u], q_weight, entropy_weight, work, shapes)
         report.value_loss[u] = fit_value(networks.value, work, shapes)
-        report.temperature[u] = alpha
+        report.temperature[u] = entropy_weight * (scaling.value_std / q_weight)
         describe(work, report, u)
         if rates.learns_temperature:
             learn_temperature(networks.temperature, rates.target_entropy, step, work)
@@ -215,7 +215,7 @@ def update(
         lost = finite.first_not_finite((
             report.critic_loss[u], report.gradient_loss[u], report.value_loss[u],
             report.critic_gradient_norm[u], value_norm, policy_norm,
-            critic_size, value_size, policy_size, alpha,
+            critic_size, value_size, policy_size, entropy_weight,
         ))  # fmt: skip
         if lost >= 0:
             return u, lost
@@ -235,11 +235,15 @@ def aim_critics(
 
 
 @compiled_fast
-def temperature(networks: Networks, rates: Rates, scaling: Scaling) -> Any:
-    """Alpha, in the unit of c r."""
+def weights_of(networks: Networks, rates: Rates, scaling: Scaling) -> tuple[Any, Any]:
+    """What the normalised Q and log pi weigh in the policy's loss.
+
+    A fixed temperature is in the unit of c r, so is the loss; a learned one is in the unit of Q.
+    """
+    real = networks.temperature.theta.dtype.type
     if rates.learns_temperature:
-        return np.exp(networks.temperature.theta[0]) * scaling.value_std
-    return networks.temperature.theta.dtype.type(1)
+        return real(1), np.exp(networks.temperature.theta[0])
+    return scaling.value_std, real(1)
 
 
 @compiled_fast
@@ -252,7 +256,12 @@ def learn_temperature(learned: Learned, target_entropy: Any, step: Any, work: Wo
 
 @compiled_fast
 def improve_policy(
-    networks: Networks, noise: Array, alpha: Any, scaling: Scaling, work: Work, shapes: Shapes
+    networks: Networks,
+    noise: Array,
+    q_weight: Any,
+    entropy_weight: Any,
+    work: Work,
+    shapes: Shapes,
 ) -> None:
     """The gradient of the policy's loss; on the way, the target of V."""
     batch, q = work.batch, work.fit.critic
@@ -271,10 +280,12 @@ def improve_policy(
         for row in range(rows):
             work.value_aim[row] = min(work.value_aim[row], q.out[row, 0])
     for row in range(rows):
-        work.value_aim[row] -= alpha * work.log_pi[row] / scaling.value_std
-        q.out_bar[row, 0] = -share * scaling.value_std
+        work.value_aim[row] -= entropy_weight * work.log_pi[row] / q_weight
+        q.out_bar[row, 0] = -share * q_weight
     network.backward_to_input(Parameters(networks.critics[0].theta, shapes.critic), q)
-    gaussian.pull_back(noise, work.actions, q.x_bar, batch.x.shape[1], share * alpha, work.policy)
+    gaussian.pull_back(
+        noise, work.actions, q.x_bar, batch.x.shape[1], share * entropy_weight, work.policy
+    )
     network.backward(policy, work.policy)
     network.gradient(policy, work.policy, Parameters(work.policy_gradient, shapes.policy))
 

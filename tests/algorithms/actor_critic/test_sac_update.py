@@ -85,6 +85,7 @@ def test_update_is_the_equations(
     rates = RATES._replace(learns_temperature=learns_temperature)
     alpha = np.exp(LOG_ALPHA) * batch.value_std if learns_temperature else 1.0
     policy_loss = (alpha * log_pi - (batch.value_mean + batch.value_std * q1_new)).mean()
+    policy_loss = policy_loss / (batch.value_std if learns_temperature else 1)
     aim = (torch.minimum(q1_new, q2_new) - alpha * log_pi / batch.value_std).detach()
     value_loss = ((v(x)[:, 0] - aim) ** 2).mean()
     targets = batch.targets(lambda x: v_target(x)[:, 0], SCALE)
