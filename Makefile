@@ -61,7 +61,7 @@ check: $(VENV)/installed-dev
 	@echo "== Format, lint, types, import contracts"
 	@$(BIN)/ruff format --check .
 	@$(BIN)/ruff check .
-	@$(BIN)/mypy
+	@$(BIN)/mypy --num-workers $(CORES)
 	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/lint-imports
 
 postgresql:
