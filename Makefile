@@ -82,7 +82,7 @@ check: $(VENV)/installed-dev web/types/api.d.ts
 	@echo "== Format, lint, types, import contracts"
 	@$(BIN)/ruff format --check .
 	@$(BIN)/ruff check .
-	@$(BIN)/mypy
+	@$(BIN)/mypy --num-workers $(CORES)
 	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/lint-imports
 	@cd web && $(NODE) tsc --project .
 	@cd web && $(NODE) oxlint --deny-warnings .
