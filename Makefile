@@ -25,7 +25,8 @@ PYTEST := $(BIN)/python -m pytest --durations 40
 CORES  ?= $(shell nproc)
 # A file's tests stay together where they share its fixtures; the long ones are collected first.
 SHARED := -n $(CORES) --dist loadfile --no-loadscope-reorder
-NODE   := PATH="$(CURDIR)/web/node_modules/.bin:$(CURDIR)/$(BIN):$$PATH"
+# npm trusts whom the machine trusts: a network may have a certificate authority of its own.
+NODE   := NODE_OPTIONS=--use-system-ca PATH="$(CURDIR)/web/node_modules/.bin:$(CURDIR)/$(BIN):$$PATH"
 SUDO   := $(shell test "$$(id -u)" = 0 || echo sudo)
 
 .DEFAULT_GOAL := help
@@ -82,7 +83,7 @@ check: $(VENV)/installed-dev web/types/api.d.ts
 	@echo "== Format, lint, types, import contracts"
 	@$(BIN)/ruff format --check .
 	@$(BIN)/ruff check .
-	@$(BIN)/mypy
+	@$(BIN)/mypy --num-workers $(CORES)
 	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/lint-imports
 	@cd web && $(NODE) tsc --project .
 	@cd web && $(NODE) oxlint --deny-warnings .

@@ -20,7 +20,7 @@ import mujoco
 import numpy as np
 
 from physics.randomness import generator
-from physics.tasks.half_cheetah import SUBSTEPS, HalfCheetah
+from physics.tasks.half_cheetah import HalfCheetah
 
 STATES = 40
 BATCH = 16
@@ -60,16 +60,16 @@ def their_calls() -> tuple[list[Any], list[Any], Callable[[int], None]]:
         data.ctrl[:] = random.uniform(-1.0, 1.0, 6)
         if index % 5 == 0:
             kept.append((data.qpos.copy(), data.qvel.copy(), data.ctrl.copy()))
-        mujoco.mj_step(model, data, SUBSTEPS)
+        mujoco.mj_step(model, data, HalfCheetah.substeps)
 
     def restore(index: int) -> None:
         data.qpos[:], data.qvel[:], data.ctrl[:] = kept[index]
 
     def step() -> None:
-        mujoco.mj_step(model, data, SUBSTEPS)
+        mujoco.mj_step(model, data, HalfCheetah.substeps)
 
     def jacobian() -> None:
-        for _ in range(SUBSTEPS):
+        for _ in range(HalfCheetah.substeps):
             mujoco.mjd_transitionFD(model, data, 1e-6, False, A, None, None, None)
 
     return [step] * STATES, [jacobian] * STATES, restore

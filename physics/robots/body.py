@@ -9,13 +9,13 @@ from typing import Annotated, Protocol
 
 from physics.kernels.compiled import compiled
 from physics.record import Floats, Integers
-from physics.robots.complementarity import Complementarity
 from physics.robots.description import Mechanism
+from physics.robots.lcp.complementarity import Complementarity
 from physics.robots.pose import ROOT, Pose
 
 
 class Body(Protocol):
-    """The arrays of a substep (time_stepping.py); candidate i has rows 2i and 2i + 1 of J and Y."""
+    """The arrays of a substep (substep.py); candidate i has rows 2i and 2i + 1 of J and Y."""
 
     q: Annotated[Floats, "n"]
     v: Annotated[Floats, "n"]

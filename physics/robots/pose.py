@@ -1,7 +1,7 @@
 """Planar articulated bodies in absolute link angles: mass matrix, bias, sphere kinematics.
 
 Degrees of freedom `(x, z, theta_0, theta_1, ...)`. With `a_j`, `w_j` the arm and the moment of
-link j turned to the world (robot.py), `'` the derivative in the angle that turns them
+link j turned to the world (description.py), `'` the derivative in the angle that turns them
 (`p' = (p_z, -p_x)`, `p'' = -p`), and `a` the arm that leads from ancestor i towards j:
 
     M[x, j], M[z, j] = w_j'          M[j, j] = inertia_j          M[j, i] = a . w_j

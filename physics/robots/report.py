@@ -9,8 +9,8 @@ from physics.kernels.compiled import compiled
 from physics.record import Floats, Integers, Records
 from physics.robots.body import Body, load_action, load_state
 from physics.robots.constraints import measure
-from physics.robots.contact_mode import OPEN
 from physics.robots.description import Mechanism
+from physics.robots.lcp.contact_mode import OPEN
 from physics.robots.pose import place
 from physics.robots.residual import BOUND, residual
 from physics.robots.substep import advance, solve_substep
@@ -101,36 +101,6 @@ def report_rows(
 
 
 @compiled
-def signature_rows(
-    mechanisms: Records,
-    bodies: Records,
-    h: float,
-    states: Floats,
-    actions: Floats,
-    signatures: Integers,
-) -> int:
-    """Fill signatures [b, substep]: the modes of all constraints, two bits each, the first lowest.
-
-    Steps with equal signatures lie on one smooth piece of the map. Returns -1, or the first row
-    that could not be solved.
-    """
-    mechanism, body = mechanisms[0], bodies[0]
-    for row in range(states.shape[0]):
-        load_state(mechanism, states, row, body)
-        load_action(mechanism, actions, row, body)
-        for substep in range(signatures.shape[1]):
-            solve_substep(mechanism, h, body)
-            if not residual(mechanism, body) <= BOUND:
-                return row
-            signature = 0
-            for i in range(body.problem.count):
-                signature |= body.problem.mode[i] << (2 * body.candidate[i])
-            signatures[row, substep] = signature
-            advance(body, h)
-    return -1
-
-
-@compiled
 def sphere_centres(mechanisms: Records, bodies: Records, states: Floats, centres: Floats) -> None:
     """Fill centres [batch, c, 2] (x, z) of all spheres for states [batch, 2n]."""
     mechanism, body = mechanisms[0], bodies[0]
@@ -145,16 +115,19 @@ def sphere_centres(mechanisms: Records, bodies: Records, states: Floats, centres
 
 @compiled
 def find_sunk(
-    mechanisms: Records, bodies: Records, states: Floats, depth: float, sunk: BoolArray
+    mechanisms: Records, no_bodies: Records, states: Floats, depth: float, sunk: BoolArray
 ) -> bool:
     """Mark states [batch] with a sphere in the ground or a joint in its stop by more than `depth`.
+
+    Asked at every step, so it makes its own body; `no_bodies` [0] has the type.
 
     Returns:
         Whether there is any.
     """
-    mechanism, body = mechanisms[0], bodies[0]
+    mechanism, bodies = mechanisms[0], np.empty(1, no_bodies.dtype)
     found = False
     for row in range(states.shape[0]):
+        body = bodies[0]  # taken in the loop, which keeps `bodies` alive
         load_state(mechanism, states, row, body)
         place(mechanism, body.q, body.pose)
         measure(mechanism, body.q, body.pose, body.margin)

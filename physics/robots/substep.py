@@ -1,6 +1,6 @@
 """One substep of a planar robot on flat ground: implicit springs and dampers, hard contact.
 
-Stewart and Trinkle's time stepping (1996), for the step h, in the coordinates of articulated.py:
+Stewart and Trinkle's time stepping (1996), for the step h, in the coordinates of pose.py:
 
     (M + h D + h^2 K) v' = M v + h (G a - K q - c(q, v)) + Jn^T pn + Jt^T pt + Jl^T pl
     0 <= pn  complementary to  Jn v' + gap / h >= 0          every sphere against the ground
@@ -17,10 +17,10 @@ complementarity problem; all are looked at again after each solve.
 
 from physics.kernels.compiled import compiled
 from physics.robots.body import Body
-from physics.robots.complementarity import TOLERANCE, solve
 from physics.robots.constraints import approach, fill_rows, measure
-from physics.robots.contact_mode import STICK
 from physics.robots.description import Mechanism
+from physics.robots.lcp.complementarity import TOLERANCE, solve
+from physics.robots.lcp.contact_mode import STICK
 from physics.robots.pose import ROOT, bias, place
 from physics.robots.tree_factor import factor, to_leaves, to_root
 

@@ -25,8 +25,8 @@ from typing import Annotated, Protocol
 from physics.kernels.compiled import compiled
 from physics.record import Floats
 from physics.robots.body import Body
-from physics.robots.complementarity import solve_active
 from physics.robots.description import Mechanism
+from physics.robots.lcp.complementarity import solve_active
 from physics.robots.pose import ROOT
 
 
@@ -98,7 +98,7 @@ def unload_tangent(
 
 @compiled
 def _differentiate_motion(mechanism: Mechanism, h: float, body: Body, tangent: Tangent) -> None:
-    """Fill P and V but for the joints and contacts (equations in articulated.py)."""
+    """Fill P and V but for the joints and contacts (equations in pose.py)."""
     parent, n, pose, v, dv = mechanism.parent, body.v.shape[0], body.pose, body.v, body.change
     P, V = tangent.P, tangent.V
     for j in range(n):
@@ -150,7 +150,7 @@ def _differentiate_joints(mechanism: Mechanism, h: float, tangent: Tangent) -> N
 
 @compiled
 def _turn_of_row(mechanism: Mechanism, body: Body, row: int, j: int) -> float:
-    """`d J[row, j] / d theta_j`, j an angle (ground_contact.py)."""
+    """`d J[row, j] / d theta_j`, j an angle (constraints.py)."""
     k = body.candidate[row // 2]
     if k >= mechanism.radius.shape[0]:
         return 0.0

@@ -1,7 +1,8 @@
-"""Two other robots on the same engine; run uncompiled, as a program, it prints what it found.
+"""Other robots on the same engine; run uncompiled, as a program, it prints what it found.
 
-A ball (one link, two spheres in one place), and a hopper (a leg of three links), described as data
-and never compiled: compiling the engine for their sizes would take longer than interpreting it.
+A ball (one link, two spheres in one place), a hopper (a leg of three links), and a comb (with 38
+spheres), described as data and never compiled: compiling the engine for their sizes would take
+longer than interpreting it.
 """
 
 import json
@@ -16,6 +17,7 @@ from physics.record import dtype
 from physics.robots.body import Body, load_action, load_state, unload
 from physics.robots.description import Capsule, Joint, Link, Robot, build, sizes
 from physics.robots.residual import residual
+from physics.robots.reward import Running
 from physics.robots.substep import advance, solve_substep
 from physics.robots.substep_derivative import (
     Tangent,
@@ -23,6 +25,7 @@ from physics.robots.substep_derivative import (
     load_tangent,
     unload_tangent,
 )
+from physics.robots.task import RobotTask
 
 H = 0.01
 BALL = Robot(
@@ -55,6 +58,35 @@ HOPPER = Robot(
     gravity=9.81,
     friction=0.9,
 )
+
+COMB = Robot(
+    links=(
+        Link(
+            "comb",
+            None,
+            (0.0, 0.0),
+            tuple(Capsule(f"{i}", (0.1 * i - 0.85, 0.0), 0.1, 0.0, 0.02) for i in range(18)),
+            None,
+        ),
+        _leg("leg", "comb", (0.0, 0.0), 0.03),
+    ),
+    total_mass=1.0,
+    gravity=9.81,
+    friction=0.9,
+)
+
+
+class Comb(RobotTask):
+    """A comb that is moved."""
+
+    name, version, horizon, max_reward = "Comb", 1, 10, 1.0
+    robot, substep_seconds, substeps = COMB, 0.01, 2
+    reward = Running(control_cost=0.1)
+
+    def initial_state(self, generator: np.random.Generator) -> FloatArray:
+        """At rest."""
+        del generator
+        return np.zeros(self.state_size)
 
 
 class Simulation:
@@ -138,5 +170,25 @@ def hop(steps: int) -> dict[str, Any]:
     }
 
 
+def drop() -> dict[str, Any]:
+    """Let the comb fall on its first tooth, on its last, and not at all."""
+    task = Comb()
+    states = np.zeros((3, task.state_size))
+    states[:, 1], states[:, 2] = (0.4, 0.4, 0.6), (-0.3, 0.3, 0.3)
+    states = np.array([task.raised(state - 0.3 * np.eye(8)[1]) for state in states])
+    states[2, 1] += 0.1
+    states[:, 5] = -1.0
+    actions = np.zeros((3, task.action_size))
+    report, pieces = task.contact_report(states, actions), task.pieces(states, actions)
+    return {
+        "pushed": [np.flatnonzero(row[0]).tolist() for row in report.normal_impulse],
+        "pieces": np.unique(pieces.piece, axis=0, return_inverse=True)[1].ravel().tolist(),
+        "regimes": [task.regimes[index] for index in pieces.regime],
+        "constraints": report.mode.shape[2],
+    }
+
+
 if __name__ == "__main__":
-    json.dump({"ahead": slide(2.0), "back": slide(-2.0), "hop": hop(40)}, sys.stdout)
+    json.dump(
+        {"ahead": slide(2.0), "back": slide(-2.0), "hop": hop(40), "drop": drop()}, sys.stdout
+    )

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from physics.robots.description import Capsule
-from physics.tasks.half_cheetah import CHEETAH
-from physics.tasks.half_cheetah_robot import ROBOT
+from physics.tasks.half_cheetah import ROBOT, HalfCheetah
 
-MECHANISM = CHEETAH[0]
+MECHANISM = HalfCheetah.mechanism[0]
 
 
 def test_a_long_thin_capsule_is_a_rod_and_a_short_one_a_ball() -> None:

@@ -3,14 +3,15 @@
 import numpy as np
 import pytest
 
-import physics
 from physics.environment import FloatArray
 from physics.kernels.compiled import compiled
 from physics.record import Records
 from physics.robots.body import load_action, load_state
 from physics.robots.residual import BOUND, residual
 from physics.robots.substep import solve_substep
-from physics.tasks.half_cheetah import BODY, CHEETAH, DT
+from physics.tasks.half_cheetah import HalfCheetah
+
+DT = HalfCheetah.substep_seconds
 
 
 @compiled
@@ -29,11 +30,12 @@ def spoiled_residual(
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 def test_an_impulse_that_is_no_number_is_infinitely_wrong(value: float) -> None:
-    environment = physics.make("HalfCheetah")
+    environment = HalfCheetah()
     states, actions = environment.initial_states([0]), np.zeros((1, 4))
     for _ in range(20):
         states = environment.step(states, actions).next_state
-    contacts, before, spoiled = spoiled_residual(CHEETAH, np.empty(1, BODY), states, actions, value)
+    robot = environment.mechanism, np.empty(1, environment.body_type)
+    contacts, before, spoiled = spoiled_residual(*robot, states, actions, value)
     assert contacts > 0
     assert before < BOUND
     assert spoiled == np.inf

@@ -11,9 +11,10 @@ from physics.randomness import generator
 from physics.robots.body import load_action, load_state
 from physics.robots.report import ContactReport
 from physics.robots.substep import advance, solve_substep
-from physics.tasks.half_cheetah import BODY, CHEETAH, HalfCheetah
+from physics.tasks.half_cheetah import HalfCheetah
 
 ENVIRONMENT = HalfCheetah()
+CHEETAH = ENVIRONMENT.mechanism
 MU, H = 0.4, 0.01
 ROWS = 500
 
@@ -179,7 +180,7 @@ def momentum_defect(state: FloatArray, steps: int, h: float) -> tuple[float, flo
         absolute: FloatArray = np.array([body.pose.M[j, :2] for j in range(2, 7)])
         return np.array([14.0 * v[0], 14.0 * v[1]]) + absolute.T @ v[2:]
 
-    bodies = np.zeros(1, BODY)
+    bodies = np.zeros(1, ENVIRONMENT.body_type)
     body, mechanism = bodies[0], CHEETAH[0]
     load_state(mechanism, state[None], 0, body)
     load_action(mechanism, np.zeros((1, 4)), 0, body)

@@ -8,13 +8,14 @@ import pytest
 from physics.environment import FloatArray
 from physics.randomness import generator
 from physics.robots.body import load_action, load_state
-from physics.robots.complementarity import solve
-from physics.robots.contact_mode import OPEN, SLIDE_AHEAD, SLIDE_BACK, STICK
-from physics.robots.lemke import lemke_modes
+from physics.robots.lcp.complementarity import solve
+from physics.robots.lcp.contact_mode import OPEN, SLIDE_AHEAD, SLIDE_BACK, STICK
+from physics.robots.lcp.lemke import lemke_modes
 from physics.robots.substep import solve_substep
-from physics.tasks.half_cheetah import BODY, CHEETAH, DT, HalfCheetah
+from physics.tasks.half_cheetah import HalfCheetah
 
 ENVIRONMENT = HalfCheetah()
+MECHANISM, BODY, DT = ENVIRONMENT.mechanism[0], ENVIRONMENT.body_type, ENVIRONMENT.substep_seconds
 
 
 def solved(W: FloatArray, free: FloatArray, friction: list[float]) -> Any:
@@ -101,9 +102,9 @@ def crowded_problems(count: int) -> list[tuple[FloatArray, FloatArray, FloatArra
         states = ENVIRONMENT.step(states, actions).next_state
         for row in random.integers(500, size=20 if step > 30 else 0):
             body = bodies[0]
-            load_state(CHEETAH[0], states, row, body)
-            load_action(CHEETAH[0], actions, row, body)
-            solve_substep(CHEETAH[0], DT, body)
+            load_state(MECHANISM, states, row, body)
+            load_action(MECHANISM, actions, row, body)
+            solve_substep(MECHANISM, DT, body)
             m = body.problem.count
             if m >= 3:
                 W, free = body.problem.W[: 2 * m, : 2 * m], body.problem.free[: 2 * m]

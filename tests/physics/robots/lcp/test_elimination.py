@@ -5,7 +5,7 @@ import pytest
 
 from physics.environment import FloatArray
 from physics.randomness import generator
-from physics.robots.elimination import factor, substitute
+from physics.robots.lcp.elimination import factor, substitute
 
 
 def solve(G: FloatArray, B: FloatArray) -> tuple[FloatArray, int]:

@@ -20,7 +20,7 @@ import numpy as np
 
 from physics.kernels.compiled import compiled
 from physics.record import Floats, Integers
-from physics.robots.contact_mode import OPEN, SLIDE_AHEAD, SLIDE_BACK, STICK
+from physics.robots.lcp.contact_mode import OPEN, SLIDE_AHEAD, SLIDE_BACK, STICK
 
 GOLDEN_RATIO = 0.6180339887498949
 SMALLEST_PIVOT = 1e-9
@@ -124,21 +124,32 @@ def _weight(i: int, attempt: int) -> float:
 
 
 @compiled
+def _first_row(A: Floats, attempt: int) -> int:
+    """Where z0 enters the basis: the row that asks for most of it."""
+    size = A.shape[0]
+    first, least = 0, np.inf
+    for i in range(size):
+        ratio = A[i, size] / _weight(i, attempt)
+        if ratio < least:
+            first, least = i, ratio
+    return first
+
+
+@compiled
 def _complementary_basis(A: Floats, attempt: int) -> Integers:
     """Follow Lemke's path; return the basis: variable of each row, w 0..size-1, then z, then z0."""
     size = A.shape[0]
     z0 = 2 * size
     tableau = np.zeros((size, 2 * size + 2))
-    basis = np.arange(size)
-    row = 0
+    basis = np.zeros(size, np.int64)
     for i in range(size):
+        basis[i] = i
         tableau[i, i] = 1.0
         tableau[i, z0] = -_weight(i, attempt)
         tableau[i, z0 + 1] = A[i, size]
         for j in range(size):
             tableau[i, size + j] = -A[i, j]
-        if A[i, size] / _weight(i, attempt) < A[row, size] / _weight(row, attempt):
-            row = i
+    row = _first_row(A, attempt)
     entering = z0
     for _ in range(50 * size):
         _pivot(tableau, row, entering)
@@ -160,9 +171,9 @@ def lemke_modes(
     first = np.zeros(count + 1, np.int64)
     A = _problem(W, free, friction, count, first)
     size = A.shape[0]
-    is_basic = np.zeros(2 * size + 1, np.bool_)
+    is_basic = np.zeros(2 * size + 1, np.int64)
     for variable in _complementary_basis(A, attempt):
-        is_basic[variable] = True
+        is_basic[variable] = 1
     for k in range(count):
         z = size + first[k]
         if not is_basic[z]:

@@ -22,9 +22,9 @@ from typing import Annotated, Protocol
 
 from physics.kernels.compiled import compiled
 from physics.record import Floats, Integers
-from physics.robots.contact_mode import OPEN, SLIDE_AHEAD, SLIDE_BACK, STICK
-from physics.robots.elimination import factor, substitute
-from physics.robots.lemke import lemke_modes
+from physics.robots.lcp.contact_mode import OPEN, SLIDE_AHEAD, SLIDE_BACK, STICK
+from physics.robots.lcp.elimination import factor, substitute
+from physics.robots.lcp.lemke import lemke_modes
 
 UNSETTLED = -1
 """What the rounds answer where they know no better mode."""
@@ -200,7 +200,8 @@ def solve(problem: Complementarity) -> None:
     largest = 1.0
     for r in range(2 * problem.count):
         largest = max(largest, abs(problem.free[r]))
-    attempt = 0
-    while not _settle(problem, TOLERANCE * largest) and attempt < ATTEMPTS:
+    for attempt in range(ATTEMPTS):
+        if _settle(problem, TOLERANCE * largest):
+            return
         lemke_modes(problem.W, problem.free, problem.friction, problem.count, problem.mode, attempt)
-        attempt += 1
+    _settle(problem, TOLERANCE * largest)

@@ -1,0 +1,43 @@
+"""Description check: what of a robot's description cannot be, all mistakes at once."""
+
+from collections.abc import Iterator
+
+from physics.robots.description import Link, Robot
+
+
+def mistakes(robot: Robot) -> list[str]:
+    """Everything that keeps a robot from being simulated."""
+    found = [mistake for link in robot.links for mistake in _in_link(link)]
+    found += _in_tree(robot)
+    if not robot.total_mass > 0.0:
+        found.append(f"total_mass must be above 0 kg, not {robot.total_mass}")
+    if not robot.friction >= 0.0:
+        found.append(f"friction must be at least 0, not {robot.friction}")
+    return found
+
+
+def _in_tree(robot: Robot) -> Iterator[str]:
+    """Mistakes in how the links hang together."""
+    if not robot.links or robot.links[0].parent is not None:
+        yield "the first link must be the root, whose parent is None"
+    known: set[str] = set()
+    for index, link in enumerate(robot.links):
+        if link.name in known:
+            yield f"two links are called {link.name!r}"
+        if index and link.parent not in known:
+            before = ", ".join(map(repr, known))
+            yield f"the parent of {link.name!r} must be one of {before}, not {link.parent!r}"
+        known.add(link.name)
+
+
+def _in_link(link: Link) -> Iterator[str]:
+    """Mistakes in one link."""
+    if not link.capsules:
+        yield f"{link.name!r} has no capsule, hence no mass"
+    for capsule in link.capsules:
+        if not (capsule.radius > 0.0 and capsule.half_length >= 0.0):
+            yield f"the capsule {capsule.name!r} needs a radius above 0 and no negative length"
+    if (link.joint is None) != (link.parent is None):
+        yield f"{link.name!r} must have a joint if and only if it has a parent"
+    if link.joint is not None and not link.joint.lower < link.joint.upper:
+        yield f"the stops of {link.name!r} must be lower < upper"

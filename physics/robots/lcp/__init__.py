@@ -1,0 +1,1 @@
+"""Contact with friction as a linear complementarity problem, solved directly."""

@@ -1,0 +1,298 @@
+"""A robot's task: a robot, its substeps, a reward and an end make an environment.
+
+    s = (q, v),    q = (x, z, pitch, joint angles ...)    as many v
+
+with `x, z` the root's place relative to the one it is described in, and joints in the order of the
+links. A step is `substeps` substeps under one action, each as substep.py has it.
+
+A subclass declares `robot`, `substep_seconds`, `substeps`, `reward` and `end`, and says where its
+episodes start. Everything else follows.
+"""
+
+import math
+from types import MappingProxyType
+from typing import ClassVar
+
+import numpy as np
+
+from physics.drawing import Drawing
+from physics.environment import (
+    BoolArray,
+    Environment,
+    FloatArray,
+    Pieces,
+    clip_sides,
+)
+from physics.record import Records, dtype
+from physics.robots import description_check
+from physics.robots.body import Body
+from physics.robots.description import Robot, build, sizes
+from physics.robots.drawing import draw_robot
+from physics.robots.end import FOREVER, End
+from physics.robots.lcp.contact_mode import OPEN
+from physics.robots.motion import Modes, move_rows
+from physics.robots.pose import ROOT
+from physics.robots.regime import REGIMES, regime_of
+from physics.robots.report import (
+    ContactReport,
+    empty_report,
+    find_sunk,
+    report_rows,
+    sphere_centres,
+)
+from physics.robots.reward import Reward
+from physics.robots.smooth_dynamics import mass_matrices, smooth_forces
+from physics.robots.substep_derivative import Tangent
+from physics.row_checks import float64_rows
+
+DEEPEST = 5e-3
+"""How deep (m, rad) a sphere may be in the ground, or a joint in its stop: rollouts stay above."""
+DECLARED = {
+    "robot": Robot,
+    "substep_seconds": float,
+    "substeps": int,
+    "reward": Reward,
+    "end": End,
+}
+"""What a task declares, and of what type."""
+
+
+def _mistakes(task: "type[RobotTask]") -> list[str]:
+    """What is wrong with a task's declaration."""
+    declared = {name: getattr(task, name, None) for name in DECLARED}
+    found = [
+        f"{name} must be of type {DECLARED[name].__name__}, not {value!r}"
+        for name, value in declared.items()
+        if not isinstance(value, DECLARED[name])
+    ]
+    return found or description_check.mistakes(task.robot)
+
+
+class RobotTask(Environment):
+    """A robot with a task."""
+
+    robot: ClassVar[Robot]
+    substep_seconds: ClassVar[float]
+    substeps: ClassVar[int]
+    """Of a step."""
+    reward: ClassVar[Reward]
+    end: ClassVar[End] = FOREVER
+
+    angles = MappingProxyType({ROOT: 1})
+    hidden = (0,)
+    regimes = REGIMES
+
+    mechanism: ClassVar[Records]
+    """The robot as the kernels see it, [1]."""
+    body_type: ClassVar[np.dtype[np.void]]
+    _no_bodies: ClassVar[Records]
+    _coordinates: ClassVar[int]
+    _spheres: ClassVar[int]
+    _motion: ClassVar[tuple[Records, Records, Records, float, int]]
+    """The first arguments of `move_rows`, up to the states."""
+    _no_jacobians: ClassVar[tuple[FloatArray, FloatArray]]
+    _no_modes: ClassVar[Modes]
+    """With room for whole eights of constraints, which `pieces` packs into integers."""
+
+    def __init_subclass__(cls) -> None:
+        """Derive what follows from the declaration.
+
+        Raises:
+            ValueError: with all that is wrong with it.
+        """
+        super().__init_subclass__()
+        if wrong := _mistakes(cls):
+            raise ValueError("\n- ".join([f"{cls.__name__} is no robot's task yet:", *wrong]))
+        size = sizes(cls.robot)
+        n, m = size["n"], size["m"]
+        cls.state_size, cls.action_size = 2 * n, m
+        cls.step_seconds = cls.substeps * cls.substep_seconds
+        cls.mechanism = build(cls.robot)
+        cls.body_type = dtype(Body, **size)
+        cls._no_bodies = np.empty(0, cls.body_type)
+        cls._coordinates, cls._spheres = n, size["c"]
+        cls._motion = (
+            cls.mechanism,
+            cls._no_bodies,
+            np.empty(0, dtype(Tangent, **size)),
+            cls.substep_seconds,
+            cls.substeps,
+        )
+        cls._no_jacobians = np.empty((0, 2 * n, 2 * n)), np.empty((0, 2 * n, m))
+        cls._no_modes = np.empty((0, cls.substeps, 8 * math.ceil(size["k"] / 8)), np.int8)
+
+    def step_kernel(
+        self,
+        states: FloatArray,
+        actions: FloatArray,
+        next_states: FloatArray,
+        rewards: FloatArray,
+        terminated: BoolArray,
+    ) -> int:
+        """Step every row; see `Environment.step_kernel`."""
+        unsolved = move_rows(
+            *self._motion, states, actions, next_states, *self._no_jacobians, self._no_modes
+        )
+        if unsolved < 0:
+            self.end.mark(next_states, terminated)
+            self.reward.fill(self.step_seconds, states, actions, next_states, terminated, rewards)
+        return unsolved
+
+    def differentiate_kernel(
+        self,
+        states: FloatArray,
+        actions: FloatArray,
+        next_states: FloatArray,
+        rewards: FloatArray,
+        terminated: BoolArray,
+        state_jacobians: FloatArray,
+        action_jacobians: FloatArray,
+        reward_state_gradients: FloatArray,
+        reward_action_gradients: FloatArray,
+        reward_next_state_gradients: FloatArray,
+    ) -> int:
+        """Step and differentiate every row; see `Environment.differentiate_kernel`."""
+        jacobians = state_jacobians, action_jacobians
+        gradients = reward_state_gradients, reward_action_gradients, reward_next_state_gradients
+        unsolved = move_rows(
+            *self._motion, states, actions, next_states, *jacobians, self._no_modes
+        )
+        if unsolved < 0:
+            self.end.mark(next_states, terminated)
+            self.reward.fill(self.step_seconds, states, actions, next_states, terminated, rewards)
+            self.reward.fill_gradients(self.step_seconds, states, actions, next_states, *gradients)
+        return unsolved
+
+    def raised(self, state: FloatArray) -> FloatArray:
+        """A state [2n], raised until no sphere is below the ground."""
+        heights = self.sphere_centres(state[None])[0, :, 1] - self.mechanism["radius"][0]
+        lowest = np.min(heights)
+        state[1] += max(0.0, -lowest)
+        return state
+
+    def outside(self, states: FloatArray) -> BoolArray:
+        """Where a sphere is in the ground, or a joint beyond its stop, deeper than a step leads."""
+        sunk = np.empty(len(states), np.bool_)
+        find_sunk(self.mechanism, self._no_bodies, states, DEEPEST, sunk)
+        return sunk | super().outside(states)
+
+    def check_inside(self, states: FloatArray, actions: FloatArray) -> None:
+        """No sphere in the ground, no joint beyond its stop, and everything finite."""
+        super().check_inside(states, actions)
+        sunk = np.empty(len(states), np.bool_)
+        if find_sunk(self.mechanism, self._no_bodies, states, DEEPEST, sunk):
+            raise self._domain.error(
+                states,
+                sunk,
+                "nothing below the ground and no joint beyond its stop by 5 mm or mrad",
+            )
+
+    def contact_report(self, states: FloatArray, actions: FloatArray) -> ContactReport:
+        """What the contacts of one step do, substep by substep.
+
+        Raises:
+            ValueError, UnsolvedStepError: as `step`.
+        """
+        states, actions = self._checked(states, actions)
+        report = empty_report(self.mechanism, len(states), self.substeps)
+        unsolved = report_rows(
+            self.mechanism, self._body(), self.substep_seconds, states, actions, report
+        )
+        if unsolved >= 0:
+            raise self.failure(states[unsolved], actions[unsolved])
+        return report
+
+    def contact_impulses(self, states: FloatArray, actions: FloatArray) -> list[FloatArray]:
+        """One for each sphere in contact, summed over the step, where the sphere ends.
+
+        Raises:
+            ValueError, UnsolvedStepError: as `step`.
+        """
+        report = self.contact_report(states, actions)
+        lowest = self.sphere_centres(self.step(states, actions).next_state)
+        lowest[..., 1] -= self.mechanism["radius"][0]
+        impulses = [report.tangential_impulse.sum(axis=1), report.normal_impulse.sum(axis=1)]
+        arrows = np.concatenate([lowest, np.stack(impulses, axis=-1)], axis=-1)
+        return [row[given] for row, given in zip(arrows, arrows[..., 3] > 0.0, strict=True)]
+
+    def mass_matrix(self, q: FloatArray) -> FloatArray:
+        """M(q) [b, n, n] for coordinates [b, n], armature included (kg, kg m, kg m^2).
+
+        Raises:
+            ValueError: for a wrong type, dtype or shape.
+        """
+        n = self._coordinates
+        q = float64_rows(q, n, "q")
+        states = np.concatenate([q, np.zeros_like(q)], axis=1)
+        matrices = np.empty((len(q), n, n))
+        mass_matrices(self.mechanism, self._body(), states, matrices)
+        return matrices
+
+    def smooth_forces(self, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
+        """All forces but contact and stops [b, n]: in free flight, `M qacc` equals them (N, N m).
+
+        Raises:
+            ValueError: for a wrong type, dtype or shape, NaN or infinity.
+        """
+        q, v = float64_rows(q, self._coordinates, "q"), float64_rows(v, self._coordinates, "v")
+        if len(q) != len(v):
+            raise ValueError(f"q and v must have as many rows, not {len(q)} and {len(v)}")
+        states, actions = self._rows(np.concatenate([q, v], axis=1), a)
+        self._domain.check(states, actions)  # in any pose: the ground and the stops are left out
+        forces = np.empty_like(q)
+        smooth_forces(self.mechanism, self._body(), states, actions, forces)
+        return forces
+
+    def pieces(self, states: FloatArray, actions: FloatArray) -> Pieces:
+        """The mode of every constraint in every substep, which motors clip, whether it ends."""
+        states, actions = self._checked(states, actions)
+        modes = np.full((len(states), *self._no_modes.shape[1:]), OPEN, np.int8)
+        next_states, ended = np.empty_like(states), np.empty(len(states), np.bool_)
+        unsolved = move_rows(
+            *self._motion, states, actions, next_states, *self._no_jacobians, modes
+        )
+        if unsolved >= 0:
+            raise self.failure(states[unsolved], actions[unsolved])
+        self.end.mark(next_states, ended)
+        beyond = clip_sides(actions)
+        spheres, stops = np.split(modes, [self._spheres], axis=2)
+        packed = modes.reshape(len(modes), -1).view(np.int64)
+        return Pieces(
+            regime_of(states, spheres, stops, beyond),
+            np.concatenate([packed, beyond, ended[:, None]], axis=1),
+        )
+
+    def sample(self, generator: np.random.Generator, count: int) -> tuple[FloatArray, FloatArray]:
+        """A quarter each: under way at random, under way bang-bang, coming to rest, in flight.
+
+        Each state is the end of a rollout of its own, of up to 100 steps.
+        """
+        kind = np.arange(count) % 4
+        states = self.initial_states(generator.integers(2**60, size=count))
+        states[kind == 3, 1] += generator.uniform(0.3, 1.5, np.count_nonzero(kind == 3))
+        longest = np.choose(kind, [100, 100, 100, 4])
+        length = generator.integers(0, longest + 1)
+        for step in range(100):
+            going = np.flatnonzero(step < length)
+            actions = generator.uniform(-1.0, 1.0, (count, self.action_size))
+            actions[kind == 1] = np.sign(actions[kind == 1])
+            actions[kind == 2] = 0.0
+            states[going] = self.step(states[going], actions[going]).next_state
+        actions = generator.uniform(-1.2, 1.2, (count, self.action_size))
+        actions[kind == 2] *= generator.choice([0.05, 0.3], (np.count_nonzero(kind == 2), 1))
+        return states, actions
+
+    def draw(self, state: FloatArray) -> Drawing:
+        """The capsules over the ground, which has a mark every metre; the view follows."""
+        states = np.array(state, np.float64).reshape(1, self.state_size)
+        return draw_robot(self.robot, float(state[0]), self.sphere_centres(states)[0])
+
+    def sphere_centres(self, states: FloatArray) -> FloatArray:
+        """Centres [batch, spheres, 2] of all spheres."""
+        centres = np.empty((len(states), self._spheres, 2))
+        sphere_centres(self.mechanism, self._body(), states, centres)
+        return centres
+
+    def _body(self) -> Records:
+        """Scratch for a kernel, [1]."""
+        return np.empty(1, self.body_type)
