@@ -8,7 +8,7 @@ step each of
     Q1, Q2   down   the critic's losses (algorithms.matching.losses)
 
 where V's target and pi's loss have log pi times a temperature alpha. That is 1, or learned, with
-one more step of Adam, so that the entropy comes to be H. Then pi's loss is divided by the unit of Q:
+one more step of Adam, so that the entropy comes to be H, and pi's loss is in the unit of Q:
 
     log alpha   down   -log alpha (mean log pi + H)
 
