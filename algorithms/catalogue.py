@@ -80,9 +80,10 @@ def hybrid(
 
 
 # Core-seconds (w1 = 1 where a hybrid has no preset): process time, evaluation included, between
-# timesteps 1,200 and 2,800 of one run, of gd up to 12,000 and of mpc up to 60,000, on one thread of
-# a shared AMD EPYC core in November 2026. Good to a factor of two or so elsewhere. What ends before
-# its timesteps, as gd on a plateau and mpc with its episode, costs less than they say.
+# timesteps 1,200 and 2,800 of one run, of gd up to 12,000, of shac and ppo over 4,000 and of mpc up
+# to 60,000, on one thread of a shared AMD EPYC core in November 2026. Good to a factor of two or so
+# elsewhere. What ends before its timesteps, as gd on a plateau and mpc with its episode, costs less
+# than they say.
 DDPG = Algorithm(
     "ddpg",
     "Deep deterministic policy gradients with parameter noise",
@@ -171,13 +172,35 @@ _ALL = (
     Algorithm(
         "gd",
         "Gradient ascent of the actor on whole episodes' returns, through the simulator",
-        builder="algorithms.ascent.learner:build",
+        builder="algorithms.ascent.gd:build",
         config="algorithms.settings:GDConfig",
         needs_reward_gradient=True,
         memory="algorithms.memory:of_episodes",
         core_seconds={
             "MassPoint": 0.034, "CartPole": 0.035, "CartPoleSwingUp": 0.039, "Pendulum": 0.035,
             "MountainCar": 0.036, "RollingDie": 0.04, "HalfCheetah": 0.057,
+        },
+    ),
+    Algorithm(
+        "shac",
+        "Short-horizon actor-critic: windows through the simulator, a value at their end",
+        builder="algorithms.ascent.shac:build",
+        config="algorithms.settings:SHACConfig",
+        memory="algorithms.memory:of_linearized_window",
+        core_seconds={
+            "MassPoint": 0.025, "CartPole": 0.023, "CartPoleSwingUp": 0.013, "Pendulum": 0.025,
+            "MountainCar": 0.021, "Acrobot": 0.023, "RollingDie": 0.015, "HalfCheetah": 0.034,
+        },
+    ),
+    Algorithm(
+        "ppo",
+        "Proximal policy optimisation, from environment steps alone",
+        builder="algorithms.policy_gradient.ppo:build",
+        config="algorithms.settings:PPOConfig",
+        memory="algorithms.memory:of_window",
+        core_seconds={
+            "MassPoint": 0.026, "CartPole": 0.029, "CartPoleSwingUp": 0.017, "Pendulum": 0.029,
+            "MountainCar": 0.028, "Acrobot": 0.033, "RollingDie": 0.029, "HalfCheetah": 0.035,
         },
     ),
     Algorithm(

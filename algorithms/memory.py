@@ -16,7 +16,7 @@ import numpy as np
 import physics
 from algorithms import catalogue
 from algorithms.presets import completed
-from algorithms.settings import GDConfig, MPCConfig
+from algorithms.settings import GDConfig, MPCConfig, PPOConfig, SHACConfig
 
 if TYPE_CHECKING:
     from physics.environment import Environment
@@ -69,6 +69,32 @@ def episode_bytes(environment: "Environment", config: GDConfig) -> int:
     units = config.hidden_units * config.hidden_layers
     one_step = 2 * DOUBLE * (n * (n + 2 * m + 2) + 2 * inputs) + 20 * units
     return one_step * environment.horizon * config.episodes
+
+
+def of_linearized_window(
+    environment: "Environment", weights: tuple[float, float], timesteps: int, config: SHACConfig
+) -> int:
+    """SHAC: one window, whatever the weights and timesteps."""
+    del weights, timesteps
+    return window_bytes(environment, config, linearized=True)
+
+
+def of_window(
+    environment: "Environment", weights: tuple[float, float], timesteps: int, config: PPOConfig
+) -> int:
+    """PPO: the same without derivatives."""
+    del weights, timesteps
+    return window_bytes(environment, config, linearized=False)
+
+
+def window_bytes(environment: "Environment", config: Any, *, linearized: bool) -> int:
+    """A window as it comes, stacked and of one run alone, and the networks' passes over it."""
+    n, m, inputs = environment.state_size, environment.action_size, environment.feature_size
+    units = config.hidden_units * config.hidden_layers
+    one_step = 3 * (DOUBLE * (2 * inputs + 1) + SINGLE * m + 2) + 20 * units
+    if linearized:
+        one_step += 3 * DOUBLE * (n * (n + 2 * m + 2) + 2 * inputs)
+    return int(one_step * config.window * config.environments)
 
 
 def of_plan(

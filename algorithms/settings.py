@@ -19,6 +19,18 @@ Placebo = Annotated[
         description="of a hybrid: with the derivatives of other transitions, or with 0 for a target"
     ),
 ]
+Environments = Annotated[
+    int, Field(ge=1, le=256, description="environments that a run steps at once")
+]
+Window = Annotated[
+    int, Field(ge=1, le=2048, description="steps of each environment between two updates")
+]
+Trace = Annotated[
+    float, Field(ge=0, le=1, description="lambda of the returns that values are fitted to")
+]
+Noise = Annotated[
+    float, Field(gt=0, le=7, description="standard deviation of exploration at first, before tanh")
+]
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -133,6 +145,57 @@ class GDConfig:
         le=10_000,
         description="measurements without a better mean of ten that end a run",
     )
+
+
+@dataclass(frozen=True, config=STRICT)
+class SHACConfig:
+    """Of short-horizon actor-critic. Defaults are the authors' but for the networks' units."""
+
+    hidden_units: HiddenUnits = 64
+    hidden_layers: HiddenLayers = 2
+    activation: ActivationName = "elu"
+    environments: Environments = 64
+    window: Window = 32
+    actor_rate: float = Field(
+        default=2e-3, gt=0, le=1, description="Adam's step size for the actor, at first"
+    )
+    critic_rate: float = Field(
+        default=2e-3, gt=0, le=1, description="Adam's step size for the critic, at first"
+    )
+    gamma: float = Field(default=0.99, ge=0, le=1, description="discount a step")
+    trace: Trace = 0.95
+    target_share: float = Field(
+        default=0.2, ge=0, le=1, description="share of itself that the critic's target keeps"
+    )
+    critic_epochs: int = Field(
+        default=16, ge=1, le=100, description="times that the critic goes through a window"
+    )
+    critic_batches: int = Field(default=4, ge=1, le=64, description="batches it has of a window")
+    noise: Noise = 0.37
+    clip: float = Field(default=1.0, gt=0, le=1e9, description="largest norm of a gradient")
+
+
+@dataclass(frozen=True, config=STRICT)
+class PPOConfig:
+    """Of proximal policy optimisation. Defaults are those of its continuous control."""
+
+    hidden_units: HiddenUnits = 64
+    hidden_layers: HiddenLayers = 2
+    activation: ActivationName = "tanh"
+    environments: Environments = 8
+    window: Window = 256
+    rate: float = Field(
+        default=3e-4, gt=0, le=1, description="Adam's step size, at first, of both networks"
+    )
+    gamma: float = Field(default=0.99, ge=0, le=1, description="discount a step")
+    trace: Trace = 0.95
+    ratio_bound: float = Field(
+        default=0.2, gt=0, le=10, description="change of an action's probability that pays at most"
+    )
+    epochs: int = Field(default=10, ge=1, le=100, description="times through a window")
+    batches: int = Field(default=32, ge=1, le=256, description="batches of a window")
+    noise: Noise = 1.0
+    clip: float = Field(default=0.5, gt=0, le=1e9, description="largest norm of a gradient")
 
 
 @dataclass(frozen=True, config=STRICT)

@@ -12,13 +12,23 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from algorithms.networks.finite import is_finite
 from algorithms.networks.layer import Array
 from algorithms.state import State, fill
 from physics.kernels.compiled import compiled_fast
 
-BETA1, BETA2 = np.float32(0.9), np.float32(0.999)
 EPSILON = np.float32(1e-8)
 ONE = np.float32(1)
+
+
+class Betas(NamedTuple):
+    """How much of Adam's moments an update keeps."""
+
+    first: float
+    second: float
+
+
+USUAL = Betas(0.9, 0.999)
 
 
 class Learned(NamedTuple):
@@ -53,7 +63,13 @@ def learned_alone(theta: NDArray[np.float32]) -> Learned:
 @compiled_fast
 def corrected(rate: float, update: int) -> Any:
     """The step size that Adam's update number `update` (from 1 on) takes."""
-    return np.float32(rate * np.sqrt(1.0 - 0.999**update) / (1.0 - 0.9**update))
+    return corrected_for(USUAL, rate, update)
+
+
+@compiled_fast
+def corrected_for(betas: Betas, rate: float, update: int) -> Any:
+    """The step size under other betas than the usual ones."""
+    return np.float32(rate * np.sqrt(1.0 - betas.second**update) / (1.0 - betas.first**update))
 
 
 @compiled_fast
@@ -69,13 +85,49 @@ def adam(network: Learned, gradient: Array, step: float) -> tuple[Any, Any]:
 
     Either is not finite if any entry is not.
     """
+    return adam_for(USUAL, network, gradient, step)
+
+
+@compiled_fast
+def adam_for(betas: Betas, network: Learned, gradient: Array, step: float) -> tuple[Any, Any]:
+    """The same under other betas than the usual ones."""
     theta, m, v = network.theta, network.m, network.v
+    of_new, of_square = ONE - np.float32(betas.first), ONE - np.float32(betas.second)
     for i in range(theta.size):
         g = gradient[i]
-        m[i] += (ONE - BETA1) * (g - m[i])
-        v[i] += (ONE - BETA2) * (g * g - v[i])
+        m[i] += of_new * (g - m[i])
+        v[i] += of_square * (g * g - v[i])
         theta[i] -= step * m[i] / (np.sqrt(v[i]) + EPSILON)
     return squared_norm(gradient), squared_norm(theta)
+
+
+@compiled_fast
+def clipped_step(
+    network: Learned, gradient: Array, bound: float, step: float, betas: Betas
+) -> tuple[Any, Any]:
+    """Step the network down a gradient, shortened to the norm `bound` where it is longer.
+
+    Returns:
+        The norm of the gradient as it was, float64, and the squared norm of the new theta. Where
+        the former is not finite, nothing is changed.
+    """
+    norm = long_norm(gradient)
+    if not is_finite(norm):
+        return norm, gradient.dtype.type(0)
+    share = min(1.0, bound / norm) if norm > 0.0 else 1.0
+    for i in range(gradient.size):
+        gradient[i] *= share
+    _, size = adam_for(betas, network, gradient, step)
+    return norm, size
+
+
+@compiled_fast
+def long_norm(vector: Array) -> Any:
+    """`|vector|`, float64, so that no square is beyond its type."""
+    square = 0.0
+    for i in range(vector.size):
+        square += np.float64(vector[i]) * np.float64(vector[i])
+    return np.sqrt(square)
 
 
 @compiled_fast

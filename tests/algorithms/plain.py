@@ -204,9 +204,15 @@ def assert_followed(net: Learned, before: NDArray[np.float32]) -> None:
     np.testing.assert_allclose(net.target, followed, rtol=1e-5, atol=1e-7)
 
 
-def adam_step(theta: NDArray[Any], gradient: NDArray[Any], rate: float) -> NDArray[Any]:
+def adam_step(
+    theta: NDArray[Any],
+    gradient: NDArray[Any],
+    rate: float,
+    betas: tuple[float, float] = (0.9, 0.999),
+) -> NDArray[Any]:
     """The first step of torch's Adam."""
     parameter = torch.nn.Parameter(torch.tensor(theta, dtype=torch.float64))
     parameter.grad = torch.tensor(gradient, dtype=torch.float64)
-    torch.optim.Adam([parameter], lr=rate, eps=1e-8 / np.sqrt(1e-3)).step()
+    epsilon = 1e-8 / np.sqrt(1 - betas[1])
+    torch.optim.Adam([parameter], lr=rate, betas=betas, eps=epsilon).step()
     return parameter.detach().numpy()

@@ -22,8 +22,11 @@ from tests.algorithms.other_rewards import OtherRewards
 
 Events = list[Measurement | EarlyEnd]
 LEARNERS = ["ddpg", "hybrid-ddpg", "hybrid-ddpg-cosine", "hybrid-ddpg-robust", "td3",
-            "hybrid-td3", "sac", "hybrid-sac", "gd", "mpc"]  # fmt: skip
+            "hybrid-td3", "sac", "hybrid-sac", "gd", "shac", "ppo", "mpc"]  # fmt: skip
 SMALL = {"hidden_units": 8}
+OF_WINDOWS: dict[str, dict[str, Any]] = {
+    name: {"environments": 2, "window": 40} for name in ("shac", "ppo")
+}
 
 
 def build(
@@ -35,7 +38,7 @@ def build(
     **config: Any,
 ) -> Learner:
     algorithm = catalogue.find(name)
-    chosen = algorithm.config_class()(**{**SMALL, **config})
+    chosen = algorithm.config_class()(**{**SMALL, **OF_WINDOWS.get(name, {}), **config})
     learner: Learner = algorithm.load()(environment, list(seeds), weights, timesteps, chosen)
     return learner
 
@@ -138,7 +141,7 @@ def spoiled(value: float, above: float) -> OtherRewards:
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e300])
-@pytest.mark.parametrize("name", ["ddpg", "hybrid-ddpg", "sac", "hybrid-sac"])
+@pytest.mark.parametrize("name", ["ddpg", "hybrid-ddpg", "sac", "hybrid-sac", "shac", "ppo"])
 def test_a_reward_that_is_no_float32_ends_the_run_that_met_it(name: str, value: float) -> None:
     task, seeds = spoiled(value, above=7.9), range(8)
     said = events(build(name, task, seeds, weights_of(name)))
@@ -153,7 +156,7 @@ def test_a_reward_that_is_no_float32_ends_the_run_that_met_it(name: str, value: 
 
 
 @pytest.mark.parametrize("value", [np.nan, -np.inf])
-@pytest.mark.parametrize("name", ["gd", "mpc"])
+@pytest.mark.parametrize("name", ["gd", "shac", "ppo", "mpc"])
 def test_so_it_does_for_learners_without_a_replay(name: str, value: float) -> None:
     task, seeds = spoiled(value, above=7.0), range(6)
     said = events(build(name, task, seeds, timesteps=1_600))
@@ -283,6 +286,20 @@ SETTINGS: dict[str, dict[str, st.SearchStrategy[Any]]] = {
     "gd": {
         "hidden_units": st.integers(4, 16), "rate": RATE, "episodes": st.integers(1, 3),
         "clip": st.floats(1e-6, 1e9), "patience": st.integers(1, 3),
+    },
+    "shac": {
+        "hidden_units": st.integers(4, 16), "environments": st.integers(1, 4),
+        "window": st.integers(1, 40), "actor_rate": RATE, "critic_rate": RATE, "gamma": SHARE,
+        "trace": SHARE, "target_share": SHARE, "critic_epochs": st.integers(1, 3),
+        "critic_batches": st.integers(1, 4), "noise": st.floats(1e-6, 7.0),
+        "clip": st.floats(1e-6, 1e9),
+    },
+    "ppo": {
+        "hidden_units": st.integers(4, 16), "environments": st.integers(1, 4),
+        "window": st.integers(1, 40), "rate": RATE, "gamma": SHARE, "trace": SHARE,
+        "ratio_bound": st.floats(1e-6, 10.0), "epochs": st.integers(1, 3),
+        "batches": st.integers(1, 8), "noise": st.floats(1e-6, 7.0),
+        "clip": st.floats(1e-6, 1e9),
     },
     "mpc": {"hidden_units": st.integers(4, 16), "horizon": st.integers(1, 8),
             "iterations": st.integers(1, 3)},

@@ -10,6 +10,8 @@ from algorithms.training import build
 SETTINGS: dict[str, list[dict[str, Any]]] = {
     "gd": [{}, {"episodes": 3, "hidden_units": 16}],
     "mpc": [{}, {"horizon": 20}],
+    "shac": [{}, {"environments": 3, "window": 9, "hidden_units": 16}],
+    "ppo": [{}, {"environments": 3, "window": 9, "hidden_layers": 1}],
 }
 
 

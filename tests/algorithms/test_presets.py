@@ -102,7 +102,7 @@ def test_weights_that_float32_does_not_hold_are_refused_by_name(weights: Any) ->
 
 
 @pytest.mark.parametrize("timesteps", [1, 500, 799, 800, 1_500])
-@pytest.mark.parametrize("name", ["ddpg", "hybrid-ddpg", "sac", "gd", "mpc"])
+@pytest.mark.parametrize("name", ["ddpg", "hybrid-ddpg", "sac", "gd", "shac", "ppo", "mpc"])
 def test_a_run_is_measured_at_its_end_whatever_its_length(name: str, timesteps: int) -> None:
     learner = algorithms.build(name, "Pendulum", [0, 3], timesteps=timesteps)
     measured = []

@@ -1,4 +1,4 @@
-"""Every off-policy learner solves tasks with a known answer, in seconds."""
+"""Every learner with a value function solves tasks with a known answer, in seconds."""
 
 from collections.abc import Callable
 from typing import Any
@@ -18,6 +18,7 @@ CYCLE = {"rollout_steps": 100, "cycle_updates": 100, "hidden_units": 16, "tau": 
 DDPG = {"actor_rate": 1e-3, "critic_rate": 3e-3, "noise": 0.3, **CYCLE}
 TD3 = {"actor_rate": 1e-3, "critic_rate": 3e-3, "noise": 0.3, **CYCLE}
 SAC = {"rate": 3e-3, "reward_scale": 30.0, **CYCLE}
+WINDOWS = {"environments": 4, "window": 10, "hidden_units": 16}
 LEARNERS: dict[str, tuple[tuple[float, float], dict[str, Any]]] = {
     "ddpg": ((0.0, 0.0), DDPG),
     "hybrid-ddpg": ((0.1, 0.1), DDPG),
@@ -27,6 +28,8 @@ LEARNERS: dict[str, tuple[tuple[float, float], dict[str, Any]]] = {
     "hybrid-td3": ((0.1, 0.1), TD3),
     "sac": ((0.0, 0.0), SAC),
     "hybrid-sac": ((0.1, 0.1), SAC),
+    "shac": ((0.0, 0.0), {**WINDOWS, "actor_rate": 2e-2, "critic_rate": 1e-2}),
+    "ppo": ((0.0, 0.0), {**WINDOWS, "rate": 1e-2, "epochs": 8, "batches": 4, "noise": 0.4}),
 }
 
 

@@ -113,11 +113,13 @@ def test_a_state_of_other_settings_is_refused() -> None:
     ("name", "environment", "config"),
     [
         ("gd", "CartPole", {"episodes": 2}),
+        ("shac", "CartPole", {"environments": 3, "window": 40, "critic_epochs": 2}),
+        ("ppo", "Pendulum", {"environments": 3, "window": 70, "epochs": 2, "batches": 4}),
         ("mpc", "Pendulum", {"horizon": 10, "iterations": 3}),
         ("mpc", "MassPoint", {"horizon": 8, "iterations": 3}),
     ],
 )
-def test_planners_taken_up_at_different_moments_go_on_to_the_same_bits(
+def test_those_without_a_replay_taken_up_at_different_moments_go_on_to_the_same_bits(
     name: str, environment: str, config: dict[str, Any]
 ) -> None:
     def built(seeds: list[int]) -> Learner:

@@ -18,7 +18,7 @@ from algorithms.measurement import Measurement
 from algorithms.stopwatch import Cost, Stopwatch
 
 LEARNERS = ["ddpg", "hybrid-ddpg", "hybrid-ddpg-cosine", "hybrid-ddpg-robust", "td3",
-            "hybrid-td3", "sac", "hybrid-sac", "gd", "mpc"]  # fmt: skip
+            "hybrid-td3", "sac", "hybrid-sac", "gd", "shac", "ppo", "mpc"]  # fmt: skip
 BUSY = 0.05
 """Seconds of work in these tests."""
 

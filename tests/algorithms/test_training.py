@@ -21,7 +21,10 @@ WEIGHTS = {
     "sac": (0.0, 0.0),
     "hybrid-sac": (0.1, 0.01),
     "gd": (0.0, 0.0),
+    "shac": (0.0, 0.0),
+    "ppo": (0.0, 0.0),
 }
+CONFIG = {name: {"environments": 4, "window": 20} for name in ("shac", "ppo")}
 
 
 def curves(
@@ -29,7 +32,7 @@ def curves(
 ) -> dict[int, Curve]:
     found: dict[int, Curve] = {seed: [] for seed in seeds}
     pair = WEIGHTS[name] if weights is None else weights
-    for m in algorithms.train(name, "Pendulum", seeds, pair, TIMESTEPS, {}):
+    for m in algorithms.train(name, "Pendulum", seeds, pair, TIMESTEPS, CONFIG.get(name)):
         found[m.seed].append((m.timestep, m.return_mean, m.return_history))
     return found
 

@@ -1,64 +1,104 @@
-"""GD: gradient ascent on the return itself, through the simulator, for a cohort of runs.
+"""The on-policy loop: live, measure, learn from what was lived; for a cohort of runs.
 
-    theta  up   1/E sum over episodes of dR/dtheta          (algorithms.ascent.episode_gradient)
-
-Each update lives E whole episodes under the deterministic actor, from new start states, and takes
-one step of Adam along the exact gradient of their mean undiscounted return; its norm is clipped,
-since over a hundred steps of a chaotic system it may be anything. A gradient or an actor that is
-not finite ends the run.
-
-The actor is the one that the other learners of that seed begin with. Its features are normalised as
-theirs are, by the mean and standard deviation of all the run has seen; these move between updates.
-
-A run ends at its timesteps, or when its curve has reached a plateau: when the mean of its latest
-ten `return_mean` has had no new best for `patience` measurements.
-
-Sources: Hu et al. (2019) and Degrave et al. (2019), as the paper's section 5.2 sums them up; Adam,
-Kingma and Ba (2014). The backward pass through an episode is written out and compiled instead of
-left to autograd through `physics.torch_step`: the same derivatives, and the tests hold one against
-the other. What the paper leaves open: the step size, the number of episodes, the clipping.
+An update begins with all runs living some steps together, each with its own actor; then one run
+after the other learns from its own. What raises in one run ends it alone. Runs may have lived a
+different number of timesteps, as episodes do that end early, and more than they were asked for:
+measurements are those due by then, of the actor that lived them.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Mapping, Sequence
-from functools import partial
+from typing import Generic, Protocol, TypeVar
 
-from algorithms.ascent.episode_gradient import LinearizedEpisodes, live
-from algorithms.ascent.run import GDRun
 from algorithms.early_end import EarlyEnd
 from algorithms.experience.evaluation import episode_returns
 from algorithms.experience.rollout import start_states
 from algorithms.failing_rows import call_each, early_end, found
+from algorithms.history import History
 from algorithms.measurement import Measurement
-from algorithms.networks.policy import Policies
-from algorithms.networks.scaling import coordinates_of
-from algorithms.networks.shape import shape_of
-from algorithms.settings import GDConfig
+from algorithms.networks.policy import Policies, Policy
+from algorithms.networks.shape import Shape
 from algorithms.snapshot import Snapshot
 from algorithms.state import Saved, State
 from algorithms.stopwatch import Stopwatch
 from algorithms.threads import one_thread
 from physics.environment import Environment
 
+Lived = TypeVar("Lived")
+"""What a run lives between two updates."""
+Lived_contra = TypeVar("Lived_contra", contravariant=True)
 
-class GDLearner:
+
+class Run(Protocol[Lived_contra]):
+    """One run of a cohort."""
+
+    @property
+    def history(self) -> History:
+        """Its measurements."""
+
+    @property
+    def timestep(self) -> int:
+        """Environment steps lived so far."""
+
+    @property
+    def updates(self) -> int:
+        """Updates done so far."""
+
+    @property
+    def is_over(self) -> bool:
+        """Whether nothing is left to do."""
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of one update."""
+
+    def policy(self) -> Policy:
+        """The deterministic policy as it is."""
+
+    def count(self, lived: Lived_contra) -> None:
+        """Count the steps that the coming update learns from."""
+
+    def learn(self, lived: Lived_contra) -> None:
+        """Update by what was lived."""
+
+    def measured(self, return_mean: float) -> Measurement:
+        """Take in a measurement."""
+
+    def state(self) -> State:
+        """All that its next bits depend on."""
+
+    def restore(self, state: State) -> None:
+        """Restore what `state` returned."""
+
+    def snapshot(self) -> Snapshot:
+        """The policy as it is."""
+
+
+AnyRun = TypeVar("AnyRun", bound=Run)  # type: ignore[type-arg]  # of the other parameter
+
+
+class OnPolicyLearner(ABC, Generic[AnyRun, Lived]):
     """A cohort of runs on one task; see `algorithms.learner.Learner`.
 
     Attributes:
-        timestep: environment steps, the fewest of any run: episodes that end early cost less.
+        timestep: environment steps, the fewest of any run.
     """
 
     def __init__(
-        self, environment: Environment, seeds: Sequence[int], timesteps: int, config: GDConfig
+        self, environment: Environment, runs: Sequence[AnyRun], shape: Shape, timesteps: int
     ) -> None:
-        """Draw the initial actors."""
+        """Bring the runs together, whose actors have this shape."""
         self._environment = environment
         self._timesteps = timesteps
-        self._shape = shape_of(environment.feature_size, environment.action_size, config)
-        coordinates = coordinates_of(environment)
-        self._runs = [GDRun(environment, coordinates, seed, timesteps, config) for seed in seeds]
-        self._by_seed = dict(zip(seeds, self._runs, strict=True))  # those that ended stay here
-        self._stopwatch = Stopwatch({run.history.seed: run.history.cost for run in self._runs})
+        self._shape = shape
+        self._runs = list(runs)
+        self._by_seed = {run.history.seed: run for run in runs}  # those that ended stay here
+        self._stopwatch = Stopwatch({run.history.seed: run.history.cost for run in runs})
         self.timestep = 0
+
+    @abstractmethod
+    def _live(self) -> Mapping[int, Callable[[], Lived]]:
+        """What gives, by seed, what each run lived before its coming update, or raises for it."""
 
     @property
     def seeds(self) -> list[int]:
@@ -67,7 +107,7 @@ class GDLearner:
 
     @property
     def bytes_per_run(self) -> int:
-        """Memory of one update's episodes."""
+        """Memory of one update."""
         return max((run.nbytes for run in self._runs), default=0)
 
     @property
@@ -85,9 +125,7 @@ class GDLearner:
             ends += self._learn(lived)
         if self._runs:
             self._count()
-        self._runs = [
-            run for run in self._runs if run.timestep < self._timesteps and not run.is_on_plateau
-        ]
+        self._runs = [run for run in self._runs if not run.is_over]
         self._stopwatch.keep(self.seeds)
         return [*measured, *ends]
 
@@ -101,7 +139,7 @@ class GDLearner:
         return self._by_seed[seed].state()
 
     def journal(self, seed: int, start: int) -> State:
-        """Nothing: no update looks back beyond its own episodes."""
+        """Nothing: no update looks back beyond what it has just lived."""
         del seed, start
         return {}
 
@@ -118,7 +156,7 @@ class GDLearner:
     def _count(self) -> None:
         self.timestep = min(self._timesteps, *(run.timestep for run in self._runs))
 
-    def _each(self, call: Callable[[GDRun], None]) -> list[EarlyEnd]:
+    def _each(self, call: Callable[[AnyRun], None]) -> list[EarlyEnd]:
         """Call for every run; those for which it raises leave."""
         ends = call_each(
             call,
@@ -128,33 +166,17 @@ class GDLearner:
         self.drop({end.seed for end in ends})
         return ends
 
-    def _live(self) -> dict[int, Callable[[], LinearizedEpisodes]]:
-        """What gives the episodes of each seed's coming update, or raises what they failed by."""
-        purposes = [run.episodes_ahead() for run in self._runs]
-        starts, unborn = start_states(self._environment, [each for run in purposes for each in run])
-        shape = (len(purposes), -1, self._environment.state_size)
-        episodes, failures = live(
-            self._environment, [r.policy() for r in self._runs], self._shape, starts.reshape(shape)
-        )
-        each = len(starts) // len(purposes)
-        errors = {row // each: error for row, error in (failures | unborn).items()}
+    def _learn(self, lived: Mapping[int, Callable[[], Lived]]) -> list[EarlyEnd]:
+        """Let every run learn from what it lived."""
 
-        def episodes_of(k: int) -> LinearizedEpisodes:
-            return found(errors[k] if episodes is None or k in errors else episodes.of(k))
-
-        return {seed: partial(episodes_of, k) for k, seed in enumerate(self.seeds)}
-
-    def _learn(self, lived: Mapping[int, Callable[[], LinearizedEpisodes]]) -> list[EarlyEnd]:
-        """Let every run learn from its episodes."""
-
-        def learn(run: GDRun) -> None:
+        def learn(run: AnyRun) -> None:
             with self._stopwatch.training([run.history.seed]):
                 run.learn(lived[run.history.seed]())
 
         return self._each(learn)
 
     def _measure(self, ends: list[EarlyEnd]) -> list[Measurement]:
-        """The measurements that came due during the episodes, of the actors that acted in them.
+        """The measurements that came due with the steps just lived.
 
         Runs for which that raises leave, and their ends are added to `ends`.
         """
@@ -176,20 +198,8 @@ class GDLearner:
             earned[run.history.seed].append(errors.get(row, float(returns[row])))
         measured: list[Measurement] = []
 
-        def measure(run: GDRun) -> None:
+        def measure(run: AnyRun) -> None:
             measured.extend(run.measured(found(value)) for value in earned[run.history.seed])
 
         ends += self._each(measure)
         return measured
-
-
-def build(
-    environment: Environment,
-    seeds: Sequence[int],
-    weights: tuple[float, float],
-    timesteps: int,
-    config: GDConfig,
-) -> GDLearner:
-    """A cohort of GD runs, which have no use for weights."""
-    del weights
-    return GDLearner(environment, seeds, timesteps, config)

@@ -10,7 +10,7 @@ import torch
 from numpy.typing import NDArray
 
 import physics
-from algorithms.ascent.episode_gradient import live, return_gradient
+from algorithms.ascent.episodes import live, return_gradient
 from algorithms.networks.parameters import initial_theta
 from algorithms.networks.policy import Policies, Policy, deterministic
 from algorithms.networks.scaling import CLIP, Statistics, coordinates_of
@@ -79,14 +79,10 @@ def test_it_is_the_gradient_of_torch_through_whole_episodes(name: str) -> None:
     assert not failures
     for k, (policy, _, starts) in enumerate(settings):
         gradient = np.empty_like(policy.theta)
-        return_gradient(
-            *(policy.theta, shape, policy.mean, policy.inverse, task.feature_sources),
-            episodes.of(k),
-            gradient,
-        )
+        return_gradient(policy, shape, task.feature_sources, episodes.of(k), gradient)
         alone = [torch_gradient(task, policy, shape, start) for start in starts]
         for e, (total, _) in enumerate(alone):
-            assert episodes.rewards[:, k, e].sum() == pytest.approx(total, rel=1e-9)
+            assert episodes.of(k).rewards[:, e].sum() == pytest.approx(total, rel=1e-9)
         expected = np.mean([one for _, one in alone], axis=0)
         error = np.linalg.norm(gradient - expected) / np.linalg.norm(expected)
         assert error < 1e-5

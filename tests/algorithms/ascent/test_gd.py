@@ -5,7 +5,7 @@ import pytest
 
 import algorithms
 import physics
-from algorithms.ascent.learner import GDLearner
+from algorithms.ascent.gd import GDLearner
 from algorithms.early_end import Divergence, EarlyEnd
 from algorithms.experience.rollout import start_states
 from algorithms.measurement import Measurement

@@ -1,15 +1,16 @@
-"""One run of gradient ascent (see `algorithms.ascent.learner`): its actor, and how far it is."""
+"""One run of gradient ascent (see `algorithms.ascent.gd`): its actor, and how far it is."""
 
 import numpy as np
 
-from algorithms.ascent.episode_gradient import LinearizedEpisodes, return_gradient
+from algorithms.ascent.episodes import return_gradient
+from algorithms.ascent.pathwise import Linearized
 from algorithms.early_end import NotFiniteQuantityError
 from algorithms.history import History
 from algorithms.measurement import Measurement
 from algorithms.memory import episode_bytes
 from algorithms.networks.finite import is_finite
 from algorithms.networks.layer import Array
-from algorithms.networks.optimizer import Learned, adam, corrected, learned
+from algorithms.networks.optimizer import USUAL, Learned, clipped_step, corrected, learned
 from algorithms.networks.parameters import initial_theta
 from algorithms.networks.policy import Policy, deterministic
 from algorithms.networks.scaling import Coordinates, Statistics
@@ -46,6 +47,7 @@ class GDRun:
         self.history = History(seed, timesteps)
         self.timestep = 0
         self.updates = 0
+        self._timesteps = timesteps
         self._config = config
         self._environment = environment
         self._shape = shape_of(environment.feature_size, environment.action_size, config)
@@ -55,7 +57,7 @@ class GDRun:
         self._best = -np.inf
         self._best_at = 0
 
-    def count(self, episodes: LinearizedEpisodes) -> None:
+    def count(self, episodes: Linearized) -> None:
         """Count the steps of the coming update's episodes."""
         self.timestep += int(episodes.ends.sum())
 
@@ -71,13 +73,10 @@ class GDRun:
         first = self.updates * each
         return [(self.history.seed, "episode", i) for i in range(first, first + each)]
 
-    def learn(self, episodes: LinearizedEpisodes) -> None:
-        """Update the actor from its episodes."""
-        theta, mean, inverse, _ = self.policy()
-        gradient = np.empty_like(theta)
-        return_gradient(
-            theta, self._shape, mean, inverse, self._environment.feature_sources, episodes, gradient
-        )
+    def learn(self, episodes: Linearized) -> None:
+        """Update by what the actor lived."""
+        policy, gradient = self.policy(), np.empty_like(self._actor.theta)
+        return_gradient(policy, self._shape, self._environment.feature_sources, episodes, gradient)
         norm, still_finite = climb(
             self._actor, gradient, self._config.rate, self.updates + 1, self._config.clip
         )
@@ -105,9 +104,10 @@ class GDRun:
         return measurement
 
     @property
-    def is_on_plateau(self) -> bool:
-        """Whether its curve has not risen for long."""
-        return self.history.count - self._best_at >= self._config.patience
+    def is_over(self) -> bool:
+        """Whether it has had its timesteps, or its curve has not risen for long."""
+        on_plateau = self.history.count - self._best_at >= self._config.patience
+        return on_plateau or self.timestep >= self._timesteps
 
     @property
     def nbytes(self) -> int:
@@ -151,14 +151,7 @@ def climb(
     actor: Learned, gradient: Array, rate: float, update: int, clip: float
 ) -> tuple[float, bool]:
     """Step the actor up a gradient; return the gradient's norm and whether the actor is finite."""
-    square = 0.0
     for i in range(gradient.size):
-        square += np.float64(gradient[i]) * np.float64(gradient[i])
-    norm = np.sqrt(square)
-    if not is_finite(norm):
-        return norm, True
-    scale = -min(1.0, clip / norm) if norm > 0.0 else -1.0
-    for i in range(gradient.size):
-        gradient[i] *= scale
-    _, theta_norm = adam(actor, gradient, corrected(rate, update))
-    return norm, bool(is_finite(theta_norm))
+        gradient[i] = -gradient[i]
+    norm, size = clipped_step(actor, gradient, clip, corrected(rate, update), USUAL)
+    return norm, bool(is_finite(size))

@@ -1,0 +1,252 @@
+"""One run of an on-policy learner with a value function: its networks, its episodes, its counters.
+
+How the networks learn from a window is a rule's business (`Rule`). Values are in a unit of their
+own, which follows their targets (algorithms.networks.value_scale): those of a window are known
+before anything is fitted to them, so that the unit moves first, and no fit begins far away.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from algorithms.early_end import NotFiniteQuantityError
+from algorithms.history import History
+from algorithms.matching.diagnostics import UpdateMeans
+from algorithms.measurement import Measurement
+from algorithms.memory import window_bytes
+from algorithms.networks.optimizer import Learned, learned, learned_alone
+from algorithms.networks.parameters import initial_theta
+from algorithms.networks.policy import Policy, deterministic
+from algorithms.networks.scaling import Coordinates, Scaling, Statistics
+from algorithms.networks.shape import HiddenSettings, Shape, shape_of
+from algorithms.networks.value_scale import UnitChange, move_value_scale, rewrite_fit
+from algorithms.on_policy import actor
+from algorithms.on_policy.window import Episodes, Window, check_finite
+from algorithms.snapshot import Snapshot, inside
+from algorithms.state import State, part, within
+from physics.environment import Environment
+from physics.randomness import generator
+
+
+class Settings(HiddenSettings, Protocol):
+    """The settings that every such learner has (algorithms.settings)."""
+
+    @property
+    def environments(self) -> int:
+        """How many are lived in at once."""
+
+    @property
+    def window(self) -> int:
+        """Steps of each of them between two updates."""
+
+    @property
+    def noise(self) -> float:
+        """Standard deviation of exploration at first."""
+
+
+class Networks(NamedTuple):
+    """All that one run learns."""
+
+    actor: Learned
+    critic: Learned
+    actor_shape: Shape
+    critic_shape: Shape
+
+
+class Moment(NamedTuple):
+    """When an update is done."""
+
+    done: int
+    """Updates done before it."""
+    progress: float
+    """Share of its timesteps that the run had before the window, below 1."""
+    scaling: Scaling
+    """Of features as the window was lived with, of values as their targets have it."""
+    draws: np.random.Generator
+
+
+class Outlook(NamedTuple):
+    """What a window's states are worth, in the task's units."""
+
+    returns: NDArray[np.float64]
+    """[T, E], that values are to be fitted to."""
+    values: NDArray[np.float64]
+    """[T, E], what the rule's networks make of them so far."""
+    beyond: NDArray[np.float64]
+    """[T, E, n], gradients of values in the states that steps led to; [0, 0, n] where unwanted."""
+
+
+class Report(NamedTuple):
+    """What an update saw; `lost` is the quantity that stopped being finite, "" for none."""
+
+    means: Any
+    """With a field of each of the rule's names."""
+    lost: str = ""
+
+
+def lost_of(quantities: Mapping[str, float]) -> str:
+    """The first quantity that is not finite; "" for none."""
+    return next((name for name, value in quantities.items() if not np.isfinite(value)), "")
+
+
+class Rule(Protocol):
+    """How networks learn from a window.
+
+    Attributes:
+        linearized: whether it wants the derivatives of steps.
+        means: names of what it reports, as means over the updates between two measurements.
+    """
+
+    linearized: bool
+    means: Sequence[str]
+
+    def look_ahead(self, networks: Networks, window: Window, scaling: Scaling) -> Outlook:
+        """Tell what the window's states are worth; no network changes."""
+
+    def learn(self, networks: Networks, window: Window, outlook: Outlook, moment: Moment) -> Report:
+        """Learn from a window."""
+
+    def change_unit(self, networks: Networks, change: UnitChange) -> None:
+        """Let the actor go on as if values had been in the new unit all along."""
+
+
+class WindowRun:
+    """One run; see `algorithms.on_policy.learner.Run`.
+
+    Attributes:
+        history: its measurements.
+        timestep: steps of all its environments so far.
+        updates: windows it has learned from.
+        episodes: those that are going on.
+    """
+
+    def __init__(
+        self,
+        environment: Environment,
+        coordinates: Coordinates,
+        seed: int,
+        timesteps: int,
+        config: Settings,
+        rule: Rule,
+    ) -> None:
+        """Draw the initial networks."""
+        features, m = environment.feature_size, environment.action_size
+        actor_shape = shape_of(features, m, config)
+        critic_shape = shape_of(features, 1, config)
+        theta = actor.initial(actor_shape, generator(seed, "actor"), config.noise)
+        self.networks = Networks(
+            learned_alone(theta),
+            learned(initial_theta(critic_shape, generator(seed, "critic"))),
+            actor_shape,
+            critic_shape,
+        )
+        self.history = History(seed, timesteps)
+        self.timestep = 0
+        self.updates = 0
+        self.episodes = Episodes(seed, config.environments, environment.state_size)
+        self._environment = environment
+        self._timesteps = timesteps
+        self._config = config
+        self._rule = rule
+        self._statistics = Statistics(coordinates, m)
+        self._means = UpdateMeans(rule.means)
+
+    @property
+    def is_over(self) -> bool:
+        """Whether it has had its timesteps."""
+        return self.timestep >= self._timesteps
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of one window."""
+        return window_bytes(self._environment, self._config, linearized=self._rule.linearized)
+
+    def policy(self) -> Policy:
+        """The deterministic policy as it is."""
+        scaling, m = self._statistics.scaling(), self._environment.action_size
+        return deterministic(self.networks.actor.theta, scaling.mean, scaling.inverse, m)
+
+    def noise_ahead(self) -> NDArray[np.float32]:
+        """What the coming window adds to the actor's means [T, E, m]."""
+        m = self._environment.action_size
+        draws = generator(self.history.seed, "exploration", self.updates)
+        size = self._config.window, self._config.environments, m
+        sigma = actor.spread_of(self.networks.actor.theta, m)
+        return sigma * draws.standard_normal(size, np.float32)
+
+    def count(self, window: Window) -> None:
+        """Count the steps of the coming update's window."""
+        self.timestep += window.rewards.size
+
+    def learn(self, window: Window) -> None:
+        """Update by a window, the unit of values set to their targets before."""
+        check_finite(window)
+        self._statistics.observe_rewards(window.rewards.ravel())
+        before = (self.timestep - window.rewards.size) / self._timesteps
+        draws = generator(self.history.seed, "batches", self.updates)
+        outlook = self._rule.look_ahead(self.networks, window, self._statistics.scaling())
+        self._move_unit(outlook.returns)
+        moment = Moment(self.updates, before, self._statistics.scaling(), draws)
+        report = self._rule.learn(self.networks, window, outlook, moment)
+        if report.lost:
+            raise NotFiniteQuantityError(report.lost)
+        self.updates += 1
+        seen = window.features.reshape(-1, window.features.shape[2])
+        self._statistics.observe(seen.astype(np.float32))
+        self._means.add(report.means)
+
+    def _move_unit(self, returns: NDArray[np.float64]) -> None:
+        if not np.isfinite(returns).all():
+            raise NotFiniteQuantityError("critic target")
+        targets = (returns - self._statistics.value_mean) / self._statistics.value_std
+        moments = float(targets.mean()), float(np.square(targets).mean())
+        change = move_value_scale(self._statistics, *moments)
+        rewrite_fit(self.networks.critic, self.networks.critic_shape, change)
+        self._rule.change_unit(self.networks, change)
+
+    def measured(self, return_mean: float) -> Measurement:
+        """Take in a measurement."""
+        self.history.record(return_mean)
+        m = self._environment.action_size
+        spread = actor.spread_of(self.networks.actor.theta, m)
+        return self.history.measured(
+            updates=self.updates,
+            jacobians=self.timestep if self._rule.linearized else 0,
+            diagnostics={
+                **self._means.take(),
+                "noise": float(spread.mean()),
+                "value_std": self._statistics.value_std,
+            },
+        )
+
+    def state(self) -> State:
+        """All that its next bits depend on."""
+        return {
+            "timestep": np.array(self.timestep),
+            "updates": np.array(self.updates),
+            **within("actor", self.networks.actor.state()),
+            **within("critic", self.networks.critic.state()),
+            **within("episodes", self.episodes.state()),
+            **within("statistics", self._statistics.state()),
+            **within("means", self._means.state()),
+            **within("history", self.history.state()),
+        }
+
+    def restore(self, state: State) -> None:
+        """Restore what `state` returned."""
+        self.timestep = int(state["timestep"])
+        self.updates = int(state["updates"])
+        self.networks.actor.restore(part(state, "actor"))
+        self.networks.critic.restore(part(state, "critic"))
+        self.episodes.restore(part(state, "episodes"))
+        self._statistics.restore(part(state, "statistics"))
+        self._means.restore(part(state, "means"))
+        self.history.restore(part(state, "history"))
+
+    def snapshot(self) -> Snapshot:
+        """The actor's mean as it is; values of states alone are no Q to look at."""
+        m, policy = self._environment.action_size, self.policy()
+        alone = policy._replace(theta=policy.theta[:-m])
+        return Snapshot(self.timestep, m, inside(self.networks.actor_shape), alone)

@@ -1,0 +1,1 @@
+"""Policy gradients from environment steps alone."""
