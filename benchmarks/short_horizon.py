@@ -1,6 +1,6 @@
 """SHAC: steps a second of an update, beside the same loop in torch through `physics.torch_step`.
 
-An update lives a window of 32 steps in 64 environments, takes the exact gradient of what they earn
+An update takes a window of 32 steps in 64 environments, computes the exact gradient of their return
 and of the value at their end, steps the actor, and fits the critic, 16 epochs of 4 batches. torch's
 is the plain way to write it: modules of the same sizes in float32, autograd through the window, one
 thread. Windows with the actor's step are also measured by themselves, without the critic's fit, and

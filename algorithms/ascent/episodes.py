@@ -53,7 +53,7 @@ class LinearizedEpisodes(NamedTuple):
 def live(
     environment: Environment, policies: Sequence[Policy], shape: Shape, starts: Floats
 ) -> tuple[LinearizedEpisodes | None, Failures]:
-    """Let each of K actors live E episodes from its start states [K, E, n].
+    """Run E episodes of each of K actors from its start states [K, E, n].
 
     Returns:
         The episodes, void for those that failed, None if all did; and, by `k E + e`, how they did.
@@ -92,7 +92,7 @@ def return_gradient(
         policy: the actor.
         shape: its sizes.
         sources: the coordinate each feature depends on [F].
-        episodes: what it lived.
+        episodes: its episodes.
         gradient: the result.
     """
     theta, mean, inverse, _ = policy

@@ -2,7 +2,7 @@
 
     theta  up   1/E sum over episodes of dR/dtheta          (algorithms.ascent.episodes)
 
-Each update lives E whole episodes under the deterministic actor, from new start states, and takes
+Each update runs E whole episodes under the deterministic actor, from new start states, and takes
 one step of Adam along the exact gradient of their mean undiscounted return; its norm is clipped,
 since over a hundred steps of a chaotic system it may be anything. A gradient or an actor that is
 not finite ends the run.
@@ -35,7 +35,7 @@ from physics.environment import Environment
 
 
 class GDLearner(OnPolicyLearner[GDRun, Linearized]):
-    """A cohort of runs that live whole episodes; those that end early cost fewer timesteps."""
+    """A cohort of runs that learn from whole episodes; short ones cost fewer timesteps."""
 
     def __init__(
         self, environment: Environment, seeds: Sequence[int], timesteps: int, config: GDConfig

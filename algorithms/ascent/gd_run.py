@@ -74,7 +74,7 @@ class GDRun:
         return [(self.history.seed, "episode", i) for i in range(first, first + each)]
 
     def learn(self, episodes: Linearized) -> None:
-        """Update by what the actor lived."""
+        """Update the actor from its episodes."""
         policy, gradient = self.policy(), np.empty_like(self._actor.theta)
         return_gradient(policy, self._shape, self._environment.feature_sources, episodes, gradient)
         norm, still_finite = climb(

@@ -6,7 +6,7 @@
     target  V' keeps a share of itself and takes the rest from V
     R       TD(lambda)'s return, of V'                               (algorithms.on_policy.values)
 
-Each update lives a window of T steps in E environments with a = tanh(mu(s) + sigma e), the noise e
+Each update takes a window of T steps in E environments with a = tanh(mu(s) + sigma e), the noise e
 held: J is reparameterised, and sigma learned with the rest. A stretch of a window is what one
 episode has of it: h steps, then V', of an episode that runs out of time too, but c = 0 where the
 task has ended. Windows go on where the one before ended, and gradients stop there: a long episode

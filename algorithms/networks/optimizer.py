@@ -22,7 +22,7 @@ ONE = np.float32(1)
 
 
 class Betas(NamedTuple):
-    """How much of Adam's moments an update keeps."""
+    """The share of each of Adam's moments that an update keeps."""
 
     first: float
     second: float

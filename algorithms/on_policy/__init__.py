@@ -1,1 +1,1 @@
-"""What learners share that learn from what they have just lived, and then forget it."""
+"""What learners share that learn only from the steps their present policy took."""

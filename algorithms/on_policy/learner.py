@@ -1,9 +1,9 @@
-"""The on-policy loop: live, measure, learn from what was lived; for a cohort of runs.
+"""The on-policy loop: act, measure, learn from those steps; for a cohort of runs.
 
-An update begins with all runs living some steps together, each with its own actor; then one run
-after the other learns from its own. What raises in one run ends it alone. Runs may have lived a
-different number of timesteps, as episodes do that end early, and more than they were asked for:
-measurements are those due by then, of the actor that lived them.
+In an update, all runs first act together, each with its own policy; then each learns from its own
+steps. An error in one run ends that run alone. Runs may differ in their timesteps, since episodes
+may end early, and may exceed what was asked for. The measurements that come due with an update's
+steps are of the policy that took them.
 """
 
 from abc import ABC, abstractmethod
@@ -25,7 +25,7 @@ from algorithms.threads import one_thread
 from physics.environment import Environment
 
 Lived = TypeVar("Lived")
-"""What a run lives between two updates."""
+"""The steps of one run that an update learns from."""
 Lived_contra = TypeVar("Lived_contra", contravariant=True)
 
 
@@ -38,7 +38,7 @@ class Run(Protocol[Lived_contra]):
 
     @property
     def timestep(self) -> int:
-        """Environment steps lived so far."""
+        """Environment steps so far."""
 
     @property
     def updates(self) -> int:
@@ -59,7 +59,7 @@ class Run(Protocol[Lived_contra]):
         """Count the steps that the coming update learns from."""
 
     def learn(self, lived: Lived_contra) -> None:
-        """Update by what was lived."""
+        """Update the networks from its steps."""
 
     def measured(self, return_mean: float) -> Measurement:
         """Take in a measurement."""
@@ -87,7 +87,7 @@ class OnPolicyLearner(ABC, Generic[AnyRun, Lived]):
     def __init__(
         self, environment: Environment, runs: Sequence[AnyRun], shape: Shape, timesteps: int
     ) -> None:
-        """Bring the runs together, whose actors have this shape."""
+        """Create the cohort; `shape` is that of the actors."""
         self._environment = environment
         self._timesteps = timesteps
         self._shape = shape
@@ -98,7 +98,7 @@ class OnPolicyLearner(ABC, Generic[AnyRun, Lived]):
 
     @abstractmethod
     def _live(self) -> Mapping[int, Callable[[], Lived]]:
-        """What gives, by seed, what each run lived before its coming update, or raises for it."""
+        """Act in every run; return, by seed, what gives the run's steps or raises its error."""
 
     @property
     def seeds(self) -> list[int]:
@@ -139,7 +139,7 @@ class OnPolicyLearner(ABC, Generic[AnyRun, Lived]):
         return self._by_seed[seed].state()
 
     def journal(self, seed: int, start: int) -> State:
-        """Nothing: no update looks back beyond what it has just lived."""
+        """Empty: an update needs no steps but its own."""
         del seed, start
         return {}
 
@@ -167,7 +167,7 @@ class OnPolicyLearner(ABC, Generic[AnyRun, Lived]):
         return ends
 
     def _learn(self, lived: Mapping[int, Callable[[], Lived]]) -> list[EarlyEnd]:
-        """Let every run learn from what it lived."""
+        """Let every run learn from its steps."""
 
         def learn(run: AnyRun) -> None:
             with self._stopwatch.training([run.history.seed]):
@@ -176,7 +176,7 @@ class OnPolicyLearner(ABC, Generic[AnyRun, Lived]):
         return self._each(learn)
 
     def _measure(self, ends: list[EarlyEnd]) -> list[Measurement]:
-        """The measurements that came due with the steps just lived.
+        """The measurements that came due with an update's steps.
 
         Runs for which that raises leave, and their ends are added to `ends`.
         """

@@ -1,8 +1,8 @@
 """One run of an on-policy learner with a value function: its networks, its episodes, its counters.
 
-How the networks learn from a window is a rule's business (`Rule`). Values are in a unit of their
-own, which follows their targets (algorithms.networks.value_scale): those of a window are known
-before anything is fitted to them, so that the unit moves first, and no fit begins far away.
+A `Rule` says how the networks learn from a window. Values have a unit that follows their targets
+(algorithms.networks.value_scale). The targets of a window are known before a network is fitted to
+them, so the unit moves first, and the first losses are small.
 """
 
 from collections.abc import Mapping, Sequence
@@ -35,7 +35,7 @@ class Settings(HiddenSettings, Protocol):
 
     @property
     def environments(self) -> int:
-        """How many are lived in at once."""
+        """How many are stepped at once."""
 
     @property
     def window(self) -> int:
@@ -63,7 +63,7 @@ class Moment(NamedTuple):
     progress: float
     """Share of its timesteps that the run had before the window, below 1."""
     scaling: Scaling
-    """Of features as the window was lived with, of values as their targets have it."""
+    """Of features as the window was acted with, of values as their targets have it."""
     draws: np.random.Generator
 
 
@@ -103,13 +103,13 @@ class Rule(Protocol):
     means: Sequence[str]
 
     def look_ahead(self, networks: Networks, window: Window, scaling: Scaling) -> Outlook:
-        """Tell what the window's states are worth; no network changes."""
+        """Compute what the window's states are worth; no network changes."""
 
     def learn(self, networks: Networks, window: Window, outlook: Outlook, moment: Moment) -> Report:
         """Learn from a window."""
 
     def change_unit(self, networks: Networks, change: UnitChange) -> None:
-        """Let the actor go on as if values had been in the new unit all along."""
+        """Adapt what Adam remembers of the actor to the new unit of values."""
 
 
 class WindowRun:
@@ -246,7 +246,7 @@ class WindowRun:
         self.history.restore(part(state, "history"))
 
     def snapshot(self) -> Snapshot:
-        """The actor's mean as it is; values of states alone are no Q to look at."""
+        """The mean policy as it is; without a critic, since V is no Q."""
         m, policy = self._environment.action_size, self.policy()
         alone = policy._replace(theta=policy.theta[:-m])
         return Snapshot(self.timestep, m, inside(self.networks.actor_shape), alone)

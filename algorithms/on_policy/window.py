@@ -1,4 +1,4 @@
-"""Windows: some steps of all the environments of each run, episodes ending and beginning within.
+"""Windows: some steps of all the environments of each run; episodes may end and begin within.
 
 Each run has E environments, whose episodes it numbers as they begin: episode i starts in the state
 drawn from the generator of (seed, "episode", i). A window goes on where the one before ended. A
@@ -25,7 +25,7 @@ Bools = NDArray[np.bool_]
 
 
 class Window(NamedTuple):
-    """What one run lived."""
+    """The steps of one run."""
 
     features: Floats
     """[T, E, F]"""
@@ -44,7 +44,7 @@ class Window(NamedTuple):
 
 
 def of_run(windows: Window, k: int, environments: int) -> Window:
-    """What run k lived, contiguous, from what all did, [T, K E, ...] each."""
+    """The window of run k, contiguous, out of that of all runs, [T, K E, ...] each."""
     mine = slice(k * environments, (k + 1) * environments)
     parts: Sequence[NDArray[Any]] = windows[:-1]
     own = (np.ascontiguousarray(part[:, mine]) for part in parts)
@@ -103,7 +103,7 @@ class _Columns:
         self._each = len(episodes[0].states)
 
     def begin(self) -> Failures:
-        """Begin another episode where one is over; return where that failed, by column."""
+        """Begin another episode where one is over; return the failures, by column."""
         over = np.flatnonzero(self.is_over).tolist()
         if not over:
             return {}
@@ -113,13 +113,13 @@ class _Columns:
         return {over[i]: error for i, error in unborn.items()}
 
     def go_on(self, transition: Transition) -> None:
-        """Take in a step."""
+        """Move on by a step."""
         self.elapsed += 1
         self.states = transition.next_state.copy()
         self.is_over = transition.terminated | (self.elapsed >= self._environment.horizon)
 
     def leave(self) -> None:
-        """Tell the runs where their episodes are."""
+        """Store the state of the episodes in the runs."""
         for k, one in enumerate(self._episodes):
             mine = slice(k * self._each, (k + 1) * self._each)
             one.states[:] = self.states[mine]
@@ -145,8 +145,8 @@ def live(
         linearized: whether the steps' derivatives are wanted.
 
     Returns:
-        What was lived, [T, K E, ...], void for columns that failed, None if all did; and, by
-        column, how they did.
+        The window, [T, K E, ...], void for columns that failed, None if all did; and the failures,
+        by column.
     """
     advance: Callable[..., Transition | Linearization] = (
         environment.differentiate if linearized else environment.step
@@ -187,7 +187,7 @@ def _taken(steps: Transition | Linearization) -> tuple[Transition, tuple[Floats,
 
 
 def check_finite(window: Window) -> None:
-    """Refuse a reward or a feature beyond float32, which networks could not learn from.
+    """Refuse rewards and features beyond float32, which networks cannot learn from.
 
     Raises:
         NotFiniteQuantityError: naming the first that there is.

@@ -1,4 +1,4 @@
-"""The learner of runs that live in windows; see `algorithms.on_policy.learner`."""
+"""The learner of runs that learn from windows; see `algorithms.on_policy.learner`."""
 
 from collections.abc import Callable, Sequence
 from functools import partial

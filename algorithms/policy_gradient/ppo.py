@@ -4,7 +4,7 @@
     actor   down  -mean min(ratio A, clip(ratio, 1 - bound, 1 + bound) A)
     critic  down  mean (V(s) - R)^2
 
-Each update lives a window of T steps in E environments, and then goes through it in several epochs
+Each update takes a window of T steps in E environments, then goes through it in several epochs
 of small batches, in an order drawn anew, with advantages normalised in each batch
 (algorithms.policy_gradient.ppo_update). Both networks' gradients are bounded in norm, and the
 learning rate falls to 0 by the run's end. An episode that runs out of time is worth V where it was
@@ -66,7 +66,7 @@ class Means(NamedTuple):
     clipped: np.float64
     """Share of rows that the bound left without a gradient."""
     policy_distance: np.float64
-    """Mean divergence of the policy from the one that lived the window."""
+    """Mean divergence of the policy from the one that took the steps."""
 
 
 class PPO:

@@ -20,6 +20,8 @@ PURPLE = "#CC79A7"
 BROWN = "#A0623A"
 VIOLET = "#7A5FD0"
 OLIVE = "#8A8A00"
+TEAL = "#1B6E6E"
+GREY = "#808080"
 
 COLOURS = {
     "ddpg": BLUE,
@@ -31,6 +33,8 @@ COLOURS = {
     "sac": SKY_BLUE,
     "hybrid-sac": ORANGE,
     "gd": GREEN,
+    "shac": TEAL,
+    "ppo": GREY,
     "mpc": BLACK,
 }
 OTHERS = (YELLOW, *COLOURS.values())

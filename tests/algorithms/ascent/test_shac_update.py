@@ -47,6 +47,7 @@ def test_update_is_the_equations(name: str) -> None:
     where = lived(name, build(task, [3], (0.0, 0.0), 10**6, CONFIG))
     window, networks, scaling = where.window, where.run.networks, where.moment.scaling
     assert window.is_last[:-1].any()
+    assert window.terminated[:-1].any() == (name == "CartPole")
     assert not window.is_last[:-1].all(axis=0).any()
     theta, v_theta, target = (
         part.copy()

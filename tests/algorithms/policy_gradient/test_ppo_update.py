@@ -61,6 +61,7 @@ def test_update_is_the_equations(name: str) -> None:
         if epochs == 1:
             first_critic, first_report = networks.critic, report
     assert window.is_last[:-1].any()
+    assert window.terminated[:-1].any() == (name == "CartPole")
     v = Plain(v_theta, networks.critic_shape)
     features = torch.tensor(window.features)
     own = plainly.value(v, features, scaling)

@@ -18,6 +18,8 @@ const ALGORITHM_COLOURS = new Map([
   ["sac", "#56b4e9"], // sky blue
   ["hybrid-sac", "#e69f00"], // orange
   ["gd", "#009e73"], // green
+  ["shac", "#1b6e6e"], // teal
+  ["ppo", "#808080"], // grey
   ["mpc", BLACK],
 ]);
 const OTHERS = [YELLOW, ...ALGORITHM_COLOURS.values()];
