@@ -86,6 +86,10 @@ and 8, 16, .005 + on RollingDie -444 -396, on the swing-up 11 20, on Pendulum -1
     HalfCheetah        577 835        581 689
     MassPoint          -20 -7        -6.7 -3.8
 
+But for the columns with `+`, these trials set the unit of values after a fit, not before it. The
+presets again, as the code is, in the same order of tasks: shac 198, 113, -1030, -119, -86, -444,
+336, -3.7; ppo 197, 277, -553, -144, -206, -491, 578, -6.7.
+
 On the swing-up shac learns to swing up in some runs only: where the cart leaves the track, the task
 ends and what is lost has no gradient. Pendulum it solves in 100,000 timesteps or so (4, 32, .01:
 -150 in all of three runs).
