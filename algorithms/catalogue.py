@@ -94,6 +94,17 @@ DDPG = Algorithm(
         "MountainCar": 0.1, "Acrobot": 0.1, "RollingDie": 0.08, "HalfCheetah": 0.11,
     },
 )  # fmt: skip
+TD3 = Algorithm(
+    "td3",
+    "Twin delayed deterministic policy gradients",
+    builder="algorithms.actor_critic.td3:build",
+    config="algorithms.settings:TD3Config",
+    memory="algorithms.memory:of_replay",
+    core_seconds={
+        "MassPoint": 0.2, "CartPole": 0.2, "CartPoleSwingUp": 0.2, "Pendulum": 0.2,
+        "MountainCar": 0.2, "Acrobot": 0.2, "RollingDie": 0.2, "HalfCheetah": 0.23,
+    },
+)  # fmt: skip
 SAC = Algorithm(
     "sac",
     "Soft actor-critic with a fixed temperature",
@@ -125,6 +136,26 @@ _ALL = (
         core_seconds={
             "MassPoint": 0.14, "CartPole": 0.16, "CartPoleSwingUp": 0.13, "Pendulum": 0.14,
             "MountainCar": 0.13, "Acrobot": 0.14, "RollingDie": 0.13, "HalfCheetah": 0.18,
+        },
+    ),
+    hybrid(
+        DDPG,
+        "hybrid-ddpg-robust",
+        "DDPG whose critic also fits the simulator's gradients, within bounds",
+        builder="algorithms.actor_critic.ddpg:build_robust",
+        core_seconds={
+            "MassPoint": 0.14, "CartPole": 0.16, "CartPoleSwingUp": 0.13, "Pendulum": 0.14,
+            "MountainCar": 0.13, "Acrobot": 0.17, "RollingDie": 0.15, "HalfCheetah": 0.18,
+        },
+    ),
+    TD3,
+    hybrid(
+        TD3,
+        "hybrid-td3",
+        "TD3 whose critics also fit the simulator's gradients, within bounds",
+        core_seconds={
+            "MassPoint": 0.3, "CartPole": 0.3, "CartPoleSwingUp": 0.3, "Pendulum": 0.3,
+            "MountainCar": 0.3, "Acrobot": 0.33, "RollingDie": 0.32, "HalfCheetah": 0.38,
         },
     ),
     SAC,

@@ -13,6 +13,12 @@ ActivationName = Annotated[
     Literal["tanh", "elu", "silu", "relu"],
     Field(description="activation of hidden units; a hybrid wants a smooth one"),
 ]
+Placebo = Annotated[
+    Literal["none", "shuffled", "untargeted"],
+    Field(
+        description="of a hybrid: with the derivatives of other transitions, or with 0 for a target"
+    ),
+]
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -22,6 +28,7 @@ class DDPGConfig:
     hidden_units: HiddenUnits = 64
     hidden_layers: HiddenLayers = 2
     activation: ActivationName = "tanh"
+    placebo: Placebo = "none"
     batch_size: int = Field(default=64, ge=1, le=1024, description="transitions an update")
     actor_rate: float = Field(
         default=1e-4, gt=0, le=1, description="Adam's step size for the actor"
@@ -45,12 +52,49 @@ class DDPGConfig:
 
 
 @dataclass(frozen=True, config=STRICT)
+class TD3Config:
+    """Of TD3 and its hybrid. Defaults are the authors', or DDPG's for network and batch."""
+
+    hidden_units: HiddenUnits = 64
+    hidden_layers: HiddenLayers = 2
+    activation: ActivationName = "tanh"
+    placebo: Placebo = "none"
+    batch_size: int = Field(default=64, ge=1, le=1024, description="transitions an update")
+    actor_rate: float = Field(
+        default=1e-3, gt=0, le=1, description="Adam's step size for the actor"
+    )
+    critic_rate: float = Field(
+        default=1e-3, gt=0, le=1, description="Adam's step size for the critics"
+    )
+    tau: float = Field(
+        default=0.005, gt=0, le=1, description="share that targets follow when the actor steps"
+    )
+    gamma: float = Field(default=0.99, ge=0, le=1, description="discount a step")
+    noise: float = Field(
+        default=0.1, ge=0, le=1, description="standard deviation of exploration, of each action"
+    )
+    target_noise: float = Field(
+        default=0.2, ge=0, le=1, description="standard deviation of the target's actions"
+    )
+    noise_bound: float = Field(
+        default=0.5, ge=0, le=2, description="largest noise of the target's actions"
+    )
+    delay: int = Field(
+        default=2, ge=1, le=100, description="updates of the critics for one of the actor"
+    )
+    rollout_steps: int = Field(default=100, ge=1, le=800, description="environment steps a cycle")
+    cycle_updates: int = Field(default=100, ge=1, le=800, description="updates a cycle")
+    replay_size: int = Field(default=10**6, ge=100, le=10**7, description="transitions remembered")
+
+
+@dataclass(frozen=True, config=STRICT)
 class SACConfig:
     """Of SAC and its hybrid. Defaults are the authors', or DDPG's for network and batch."""
 
     hidden_units: HiddenUnits = 64
     hidden_layers: HiddenLayers = 2
     activation: ActivationName = "tanh"
+    placebo: Placebo = "none"
     batch_size: int = Field(default=64, ge=1, le=1024, description="transitions an update")
     rate: float = Field(default=3e-4, gt=0, le=1, description="Adam's step size, of every network")
     tau: float = Field(
@@ -58,7 +102,13 @@ class SACConfig:
     )
     gamma: float = Field(default=0.99, ge=0, le=1, description="discount a step")
     reward_scale: float = Field(
-        default=5.0, gt=0, le=10**6, description="factor of rewards, the inverse of the temperature"
+        default=5.0,
+        gt=0,
+        le=10**6,
+        description="factor of rewards, the inverse of a fixed temperature",
+    )
+    temperature: Literal["fixed", "learned"] = Field(
+        default="fixed", description="fixed as in 2018, or learned for an entropy of -m as in 2019"
     )
     rollout_steps: int = Field(default=100, ge=1, le=800, description="environment steps a cycle")
     cycle_updates: int = Field(default=100, ge=1, le=800, description="updates a cycle")

@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from algorithms.networks import network
 from algorithms.networks.activation import NAMED
 from algorithms.networks.layer import Array
-from algorithms.networks.network import Parameters, Shape
+from algorithms.networks.parameters import Parameters
 from algorithms.networks.policy import Policies, Policy
 from algorithms.networks.scaling import normalise
+from algorithms.networks.shape import Shape
 from algorithms.state import State, part, within
 from physics.kernels.compiled import compiled_fast
 

@@ -20,12 +20,12 @@ from algorithms.matching.diagnostics import (
     agreement,
     with_derivatives,
 )
-from algorithms.networks import network
 from algorithms.networks.layer import Array
-from algorithms.networks.network import HiddenSettings, Shape
 from algorithms.networks.optimizer import Learned
+from algorithms.networks.parameters import first_outputs
 from algorithms.networks.policy import Policy, deterministic
 from algorithms.networks.scaling import Coordinates, Scaling, Statistics
+from algorithms.networks.shape import HiddenSettings, Shape
 from algorithms.networks.value_scale import UnitChange, move_value_scale
 from algorithms.snapshot import Critic, Snapshot, inside
 from algorithms.state import State, part, within
@@ -250,7 +250,7 @@ class Agent:
             timestep,
             m,
             inside(self.actor_shape),
-            policy._replace(theta=network.first_outputs(policy.theta, self.actor_shape, m)),
+            policy._replace(theta=first_outputs(policy.theta, self.actor_shape, m)),
             Critic(
                 self._actor_critic.critic.theta, statistics.value_mean / c, statistics.value_std / c
             ),

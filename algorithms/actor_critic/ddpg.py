@@ -29,24 +29,18 @@ from collections.abc import Sequence
 import numpy as np
 
 from algorithms.actor_critic.agent import Cycle
-from algorithms.actor_critic.ddpg_update import (
-    QUANTITIES,
-    Rates,
-    Report,
-    empty_report,
-    gradient_pair,
-    update,
-)
+from algorithms.actor_critic.ddpg_update import Rates, gradient_pair, update
+from algorithms.actor_critic.deterministic import MEANS, QUANTITIES, Report, empty_report
 from algorithms.actor_critic.learner import OffPolicyLearner, cohort
 from algorithms.actor_critic.parameter_noise import ParameterNoise, action_distance
 from algorithms.experience.replay import Memory
-from algorithms.matching.losses import Matching, matching_of
-from algorithms.networks import network
+from algorithms.matching.losses import COSINE, L2, ROBUST, Matching, matching_of
 from algorithms.networks.layer import Array
-from algorithms.networks.network import Shape
 from algorithms.networks.optimizer import learned
+from algorithms.networks.parameters import initial_theta
 from algorithms.networks.policy import Policy
 from algorithms.networks.scaling import Coordinates, Scaling
+from algorithms.networks.shape import Shape, noisy_size, shape_of
 from algorithms.networks.value_scale import UnitChange, rescale_moments, rewrite_fit
 from algorithms.settings import DDPGConfig
 from algorithms.state import State, part, within
@@ -57,13 +51,7 @@ from physics.randomness import generator
 class DDPG:
     """The networks of DDPG and of its hybrids; see `algorithms.actor_critic.agent.ActorCritic`."""
 
-    means: Sequence[str] = (
-        "critic_loss",
-        "gradient_loss",
-        "q_mean",
-        "critic_gradient_norm",
-        "actor_gradient_norm",
-    )
+    means: Sequence[str] = MEANS
     quantities: Sequence[str] = QUANTITIES
 
     def __init__(
@@ -77,8 +65,8 @@ class DDPG:
         """Draw the initial networks."""
         self.reward_scale = 1.0
         self.actor_shape, self._critic_shape = shapes_of(environment, config)
-        self.actor = learned(network.initial(self.actor_shape, generator(seed, "actor")))
-        self.critic = learned(network.initial(self._critic_shape, generator(seed, "critic")))
+        self.actor = learned(initial_theta(self.actor_shape, generator(seed, "actor")))
+        self.critic = learned(initial_theta(self._critic_shape, generator(seed, "critic")))
         self._seed = seed
         self._coordinates = coordinates
         self._matching = matching
@@ -90,7 +78,7 @@ class DDPG:
             np.float32(config.critic_decay),
         )
         self._perturbations = 0
-        self._noise = ParameterNoise(config.noise, network.noisy_size(self.actor_shape))
+        self._noise = ParameterNoise(config.noise, noisy_size(self.actor_shape))
 
     def explorer(self, policy: Policy) -> Policy:
         """A newly perturbed actor."""
@@ -157,8 +145,8 @@ def shapes_of(environment: Environment, config: DDPGConfig) -> tuple[Shape, Shap
     """The sizes of the actor and of the critic."""
     features, actions = environment.feature_size, environment.action_size
     return (
-        network.shape_of(features, actions, config),
-        network.shape_of(features + actions, 1, config),
+        shape_of(features, actions, config),
+        shape_of(features + actions, 1, config),
     )
 
 
@@ -170,9 +158,7 @@ def build(
     config: DDPGConfig,
 ) -> OffPolicyLearner:
     """A cohort of DDPG runs; with weights other than 0, of its hybrid (L2)."""
-    return matching_cohort(
-        environment, seeds, matching_of(weights, by_cosine=False), timesteps, config
-    )
+    return matching_cohort(environment, seeds, weights, L2, timesteps, config)
 
 
 def build_cosine(
@@ -183,19 +169,30 @@ def build_cosine(
     config: DDPGConfig,
 ) -> OffPolicyLearner:
     """A cohort of runs of DDPG's hybrid that matches the gradients' directions."""
-    return matching_cohort(
-        environment, seeds, matching_of(weights, by_cosine=True), timesteps, config
-    )
+    return matching_cohort(environment, seeds, weights, COSINE, timesteps, config)
+
+
+def build_robust(
+    environment: Environment,
+    seeds: Sequence[int],
+    weights: tuple[float, float],
+    timesteps: int,
+    config: DDPGConfig,
+) -> OffPolicyLearner:
+    """A cohort of runs of DDPG's hybrid with the robust loss."""
+    return matching_cohort(environment, seeds, weights, ROBUST, timesteps, config)
 
 
 def matching_cohort(
     environment: Environment,
     seeds: Sequence[int],
-    matching: Matching,
+    weights: tuple[float, float],
+    loss: int,
     timesteps: int,
     config: DDPGConfig,
 ) -> OffPolicyLearner:
-    """A cohort of runs whose critics match gradients as given."""
+    """A cohort of runs whose critics match gradients by this loss."""
+    matching = matching_of(weights, loss, config.placebo)
     terminal = config.time_limit_is_terminal
     return cohort(
         DDPG, environment, seeds, matching, timesteps, config, time_limit_is_terminal=terminal

@@ -14,27 +14,20 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from algorithms.actor_critic.deterministic import Report, actor_gradient, describe
 from algorithms.experience import replay
 from algorithms.experience.replay import Batch, Memory
 from algorithms.matching import bellman, critic, losses
 from algorithms.matching.critic import CriticWork
 from algorithms.matching.losses import Matching
-from algorithms.networks import actor, finite, network, optimizer
+from algorithms.networks import finite, network, optimizer
 from algorithms.networks.layer import Array
-from algorithms.networks.network import Parameters, Pass, Shape
+from algorithms.networks.network import Pass
 from algorithms.networks.optimizer import Learned
+from algorithms.networks.parameters import Parameters
 from algorithms.networks.scaling import Coordinates, Scaling
+from algorithms.networks.shape import Shape, decayed_size
 from physics.kernels.compiled import compiled_fast
-
-QUANTITIES = (
-    "critic loss",
-    "gradient loss",
-    "critic gradient",
-    "actor gradient",
-    "critic parameters",
-    "actor parameters",
-)
-"""What an update looks at, in this order, to see whether the run diverges."""
 
 
 class Rates(NamedTuple):
@@ -57,27 +50,6 @@ class Work(NamedTuple):
     actor_gradient: Array
     """[P]"""
     fit: CriticWork
-
-
-class Report(NamedTuple):
-    """What each of U updates saw, [U]."""
-
-    critic_loss: Array
-    gradient_loss: Array
-    q_mean: Array
-    """Mean of the critic's Q over the batch, in the task's units."""
-    critic_gradient_norm: Array
-    actor_gradient_norm: Array
-    target_mean: NDArray[np.float64]
-    """Mean of the normalised targets."""
-    target_square: NDArray[np.float64]
-    """Mean of their squares."""
-
-
-def empty_report(updates: int) -> Report:
-    """Room for the report of `updates` updates."""
-    single, double = np.zeros((5, updates), np.float32), np.zeros((2, updates))
-    return Report(single[0], single[1], single[2], single[3], single[4], double[0], double[1])
 
 
 @compiled_fast
@@ -124,7 +96,7 @@ def update(
     q_target = Parameters(learned_critic.target, critic_shape)
     pi_gradient = Parameters(work.actor_gradient, actor_shape)
     q_gradient = Parameters(work.fit.theta_gradient, critic_shape)
-    fit, decayed = work.fit, network.decayed_size(critic_shape)
+    fit, decayed = work.fit, decayed_size(critic_shape)
     for u in range(indices.shape[0]):
         replay.draw(memory, indices[u], scaling, work.batch)
         bellman.target_value(
@@ -132,18 +104,21 @@ def update(
             work.actor, (fit.critic,), work.actions, fit.value,
         )  # fmt: skip
         if losses.is_matched(matching):
-            replay.draw_derivatives(memory, indices[u], coordinates, scaling, work.batch)
+            replay.draw_derivatives(
+                memory, indices[u], coordinates, scaling, work.batch, matching.shift
+            )
             bellman.target_gradient(
                 pi_target, (q_target,), work.batch, rates.gamma,
                 work.actor, (fit.critic,), work.actions, fit.target,
             )  # fmt: skip
+            losses.blind(matching, fit.target)
             report.critic_loss[u], report.gradient_loss[u] = critic.matched_fit(
                 q, work.batch, coordinates, matching, fit, q_gradient
             )
         else:
             report.critic_loss[u] = critic.value_fit(q, work.batch, fit, q_gradient)
-        describe(work, scaling, report, u)
-        actor_gradient(pi, q, work, pi_gradient)
+        describe(fit.critic.out, fit.value, np.float32(1), scaling, report, u)
+        actor_gradient(pi, q, work.batch.x, work.actor, fit.critic, work.actions, pi_gradient)
         optimizer.decay(learned_critic.theta, decayed, rates.critic_decay, fit.theta_gradient)
         step = optimizer.corrected(rates.critic_rate, done + u + 1)
         critic_norm, critic_size = optimizer.adam(learned_critic, fit.theta_gradient, step)
@@ -163,36 +138,6 @@ def update(
 
 
 @compiled_fast
-def actor_gradient(pi: Parameters, q: Parameters, work: Work, result: Parameters) -> None:
-    """The gradient of `-1/B sum Q(s, pi(s))`."""
-    rows = work.batch.x.shape[0]
-    real = work.fit.value.dtype.type
-    network.receive(work.actor, work.batch.x)
-    actor.choose(pi, work.actor, work.actions)
-    critic.join(work.batch.x, work.actions, work.fit.critic.x)
-    network.forward(q, work.fit.critic)
-    work.fit.critic.out_bar[:] = -real(1) / real(rows)
-    network.backward_to_input(q, work.fit.critic)
-    actor.pull_back(work.actions, work.fit.critic.x_bar, work.batch.x.shape[1], work.actor)
-    network.backward(pi, work.actor)
-    network.gradient(pi, work.actor, result)
-
-
-@compiled_fast
-def describe(work: Work, scaling: Scaling, report: Report, u: int) -> None:
-    """Note the mean Q, and the moments of the targets."""
-    rows = work.fit.value.size
-    q_sum, target_sum, square_sum = 0.0, 0.0, 0.0
-    for row in range(rows):
-        q_sum += work.fit.critic.out[row, 0]
-        target_sum += work.fit.value[row]
-        square_sum += work.fit.value[row] * work.fit.value[row]
-    report.q_mean[u] = scaling.value_mean + scaling.value_std * q_sum / rows
-    report.target_mean[u] = target_sum / rows
-    report.target_square[u] = square_sum / rows
-
-
-@compiled_fast
 def gradient_pair(
     learned_actor: Learned,
     learned_critic: Learned,
@@ -208,7 +153,7 @@ def gradient_pair(
     work = new_work(memory, learned_actor, learned_critic, indices.size, shapes)
     fit = work.fit
     replay.draw(memory, indices, scaling, work.batch)
-    replay.draw_derivatives(memory, indices, coordinates, scaling, work.batch)
+    replay.draw_derivatives(memory, indices, coordinates, scaling, work.batch, 0)
     pi_target = Parameters(learned_actor.target, actor_shape)
     q_target = Parameters(learned_critic.target, critic_shape)
     bellman.target_value(

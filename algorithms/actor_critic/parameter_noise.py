@@ -25,8 +25,9 @@ from algorithms.experience.replay import Memory
 from algorithms.networks import network
 from algorithms.networks.actor import choose
 from algorithms.networks.layer import Array
-from algorithms.networks.network import Parameters, Shape
+from algorithms.networks.parameters import Parameters
 from algorithms.networks.scaling import Scaling
+from algorithms.networks.shape import Shape
 from physics.kernels.compiled import compiled_fast
 
 FACTOR = 1.1

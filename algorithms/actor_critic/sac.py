@@ -5,8 +5,10 @@
     pi       down   1/B sum log pi(a~ | s) - Q1(s, a~)
     target   V' += tau (V - V')
 
-The temperature is fixed; the reward scale c is its inverse. The hybrid adds to both Qs the L2
-gradient loss (algorithms.matching.losses) against
+The temperature is fixed; the reward scale c is its inverse. Or it is learned
+(`temperature="learned"`): log pi is multiplied by alpha, which follows the entropy to -m, for m
+actions, and c is 1 (Haarnoja et al., 2019). Alpha starts at the size of the first rewards. The
+hybrid adds to both Qs the L2 gradient loss (algorithms.matching.losses) against
 
     dQhat = c (dr + dr/ds' J) + gamma (1 - terminated) dV'/ds' J
 
@@ -25,6 +27,7 @@ not the minimum, in the policy's loss; the hybrid, "D3PG" (2019), appendix A.2. 
 - 100 steps, then 100 updates; not step by step. All networks are updated from one batch;
 - no uniform actions at first: the initial policy is the tanh of about a standard normal;
 - log(1 - tanh^2 u) is exact (algorithms.networks.gaussian);
+- with a learned temperature, V stays; the authors' later code has target critics in its place;
 - nothing regularises the policy. The authors' code has a regulariser, 1e-3 times the means of
   mu^2 / 2 and of (log sigma)^2 / 2; at that commit no loss takes it in;
 - everything in float32 but the simulator and the statistics.
@@ -47,13 +50,14 @@ from algorithms.actor_critic.sac_update import (
     update,
 )
 from algorithms.experience.replay import Memory
-from algorithms.matching.losses import Matching, matching_of
-from algorithms.networks import network
+from algorithms.matching.losses import L2, Matching, matching_of
 from algorithms.networks.layer import Array
 from algorithms.networks.optimizer import learned, learned_alone
+from algorithms.networks.parameters import initial_theta
 from algorithms.networks.policy import Policy
 from algorithms.networks.scaling import Coordinates, Scaling
-from algorithms.networks.value_scale import UnitChange, rewrite_fit
+from algorithms.networks.shape import shape_of
+from algorithms.networks.value_scale import UnitChange, rescale_moments, rewrite_fit
 from algorithms.settings import SACConfig
 from algorithms.state import State, part, within
 from physics.environment import Environment
@@ -69,6 +73,7 @@ class SAC:
         "value_loss",
         "q_mean",
         "entropy",
+        "temperature",
         "critic_gradient_norm",
         "value_gradient_norm",
         "actor_gradient_norm",
@@ -84,7 +89,8 @@ class SAC:
         config: SACConfig,
     ) -> None:
         """Draw the initial networks."""
-        self.reward_scale = config.reward_scale
+        learns_temperature = config.temperature == "learned"
+        self.reward_scale = 1.0 if learns_temperature else config.reward_scale
         self._shapes = shapes_of(environment, config)
         self._networks = initial_networks(self._shapes, seed)
         self.actor_shape, self.actor = self._shapes.policy, self._networks.policy
@@ -95,8 +101,10 @@ class SAC:
         self._rates = Rates(
             np.float32(config.gamma),
             np.float32(config.tau),
-            np.float32(config.reward_scale),
+            np.float32(self.reward_scale),
             config.rate,
+            learns_temperature,
+            np.float32(-environment.action_size),
         )
         self._noise_shape = config.rollout_steps, environment.action_size
         self._explorations = 0
@@ -119,10 +127,13 @@ class SAC:
         return done, lost, report
 
     def change_unit(self, change: UnitChange) -> None:
-        """Leave V and both Q as they are."""
+        """Leave V, both Q and the temperature as they are."""
         rewrite_fit(self._networks.value, self._shapes.value, change)
         for critic in self._networks.critics:
             rewrite_fit(critic, self._shapes.critic, change)
+        if self._rates.learns_temperature:
+            self._networks.temperature.theta[:] += np.float32(np.log(change.ratio))
+            rescale_moments(self._networks.policy, np.float32(change.ratio))
 
     def gradient_pair(self, memory: Memory, scaling: Scaling) -> tuple[Array, Array]:
         """The first critic's gradient [B, C + m] and its target."""
@@ -151,22 +162,22 @@ def shapes_of(environment: Environment, config: SACConfig) -> Shapes:
     """The sizes of the networks; the policy has a mean and a log sigma for each action."""
     features, m = environment.feature_size, environment.action_size
     return Shapes(
-        network.shape_of(features, 2 * m, config),
-        network.shape_of(features, 1, config),
-        network.shape_of(features + m, 1, config),
+        shape_of(features, 2 * m, config),
+        shape_of(features, 1, config),
+        shape_of(features + m, 1, config),
     )
 
 
 def initial_networks(shapes: Shapes, seed: int) -> Networks:
     """The networks of a run about to begin."""
     first, second = (
-        learned_alone(network.initial(shapes.critic, generator(seed, "critic", k)))
-        for k in range(2)
+        learned_alone(initial_theta(shapes.critic, generator(seed, "critic", k))) for k in range(2)
     )
     return Networks(
-        learned_alone(network.initial(shapes.policy, generator(seed, "actor"))),
-        learned(network.initial(shapes.value, generator(seed, "value"))),
+        learned_alone(initial_theta(shapes.policy, generator(seed, "actor"))),
+        learned(initial_theta(shapes.value, generator(seed, "value"))),
         (first, second),
+        learned_alone(np.zeros(1, np.float32)),
     )
 
 
@@ -178,5 +189,5 @@ def build(
     config: SACConfig,
 ) -> OffPolicyLearner:
     """A cohort of SAC runs; with weights other than 0, of its hybrid."""
-    matching = matching_of(weights, by_cosine=False)
+    matching = matching_of(weights, L2, config.placebo)
     return cohort(SAC, environment, seeds, matching, timesteps, config)

@@ -7,6 +7,11 @@ step each of
     V        down   1/B sum (V(s) - Vhat)^2                     with the same a~
     Q1, Q2   down   the critic's losses (algorithms.matching.losses)
 
+where V's target and pi's loss have log pi times a temperature alpha. That is 1, or learned, with
+one more step of Adam, so that the entropy comes to be H, and pi's loss is in the unit of Q:
+
+    log alpha   down   -log alpha (mean log pi + H)
+
 all gradients taken at the parameters before the update; then V' follows V.
 """
 
@@ -22,9 +27,11 @@ from algorithms.matching.critic import CriticWork
 from algorithms.matching.losses import Matching
 from algorithms.networks import finite, gaussian, network, optimizer
 from algorithms.networks.layer import Array
-from algorithms.networks.network import Parameters, Pass, Shape
+from algorithms.networks.network import Pass
 from algorithms.networks.optimizer import Learned
+from algorithms.networks.parameters import Parameters
 from algorithms.networks.scaling import Coordinates, Scaling
+from algorithms.networks.shape import Shape
 from algorithms.state import State, part, within
 from physics.kernels.compiled import compiled_fast
 
@@ -38,6 +45,7 @@ QUANTITIES = (
     "critic parameters",
     "value parameters",
     "actor parameters",
+    "temperature",
 )
 """What an update looks at, in this order, to see whether the run diverges."""
 
@@ -49,6 +57,9 @@ class Rates(NamedTuple):
     tau: np.float32
     reward_scale: np.float32
     rate: float
+    learns_temperature: bool
+    target_entropy: np.float32
+    """H"""
 
 
 class Networks(NamedTuple):
@@ -57,6 +68,8 @@ class Networks(NamedTuple):
     policy: Learned
     value: Learned
     critics: tuple[Learned, Learned]
+    temperature: Learned
+    """Of one entry, log alpha in the unit of Q; unused where alpha is 1."""
 
     def state(self) -> State:
         """All of them by name."""
@@ -66,6 +79,7 @@ class Networks(NamedTuple):
             | within("value", self.value.state())
             | within("critic 1", first.state())
             | within("critic 2", second.state())
+            | within("temperature", self.temperature.state())
         )
 
     def restore(self, state: State) -> None:
@@ -75,6 +89,7 @@ class Networks(NamedTuple):
         self.value.restore(part(state, "value"))
         first.restore(part(state, "critic 1"))
         second.restore(part(state, "critic 2"))
+        self.temperature.restore(part(state, "temperature"))
 
 
 class Shapes(NamedTuple):
@@ -114,6 +129,8 @@ class Report(NamedTuple):
     """Mean of Q over the batch, in the unit of c r."""
     entropy: Array
     """Mean of -log pi."""
+    temperature: Array
+    """Alpha, in the unit of c r."""
     critic_gradient_norm: Array
     value_gradient_norm: Array
     actor_gradient_norm: Array
@@ -125,7 +142,7 @@ class Report(NamedTuple):
 
 def empty_report(updates: int) -> Report:
     """Room for the report of `updates` updates."""
-    return Report(*np.zeros((8, updates), np.float32), *np.zeros((2, updates)))
+    return Report(*np.zeros((9, updates), np.float32), *np.zeros((2, updates)))
 
 
 @compiled_fast
@@ -173,12 +190,18 @@ def update(
         replay.draw(memory, indices[u], scaling, work.batch)
         replay.scale_rewards(work.batch, rates.reward_scale)
         if losses.is_matched(matching):
-            replay.draw_derivatives(memory, indices[u], coordinates, scaling, work.batch)
+            replay.draw_derivatives(
+                memory, indices[u], coordinates, scaling, work.batch, matching.shift
+            )
             replay.scale_reward_gradients(work.batch, rates.reward_scale)
         aim_critics(networks.value, rates.gamma, scaling, matching, work, shapes)
-        improve_policy(networks, noise[u], scaling, work, shapes)
+        q_weight, entropy_weight = weights_of(networks, rates, scaling)
+        improve_policy(networks, noise[u], q_weight, entropy_weight, work, shapes)
         report.value_loss[u] = fit_value(networks.value, work, shapes)
+        report.temperature[u] = entropy_weight * (scaling.value_std / q_weight)
         describe(work, report, u)
+        if rates.learns_temperature:
+            learn_temperature(networks.temperature, rates.target_entropy, step, work)
         policy_norm, policy_size = optimizer.adam(networks.policy, work.policy_gradient, step)
         report.actor_gradient_norm[u] = np.sqrt(policy_norm)
         value_norm, value_size = optimizer.adam(networks.value, work.value_gradient, step)
@@ -192,7 +215,7 @@ def update(
         lost = finite.first_not_finite((
             report.critic_loss[u], report.gradient_loss[u], report.value_loss[u],
             report.critic_gradient_norm[u], value_norm, policy_norm,
-            critic_size, value_size, policy_size,
+            critic_size, value_size, policy_size, entropy_weight,
         ))  # fmt: skip
         if lost >= 0:
             return u, lost
@@ -208,11 +231,37 @@ def aim_critics(
     soft_bellman.target_value(following, work.batch, gamma, scaling, work.value, work.fit.value)
     if losses.is_matched(matching):
         soft_bellman.target_gradient(following, work.batch, gamma, work.value, work.fit.target)
+        losses.blind(matching, work.fit.target)
+
+
+@compiled_fast
+def weights_of(networks: Networks, rates: Rates, scaling: Scaling) -> tuple[Any, Any]:
+    """What the normalised Q and log pi weigh in the policy's loss.
+
+    A fixed temperature is in the unit of c r, so is the loss; a learned one is in the unit of Q.
+    """
+    real = networks.temperature.theta.dtype.type
+    if rates.learns_temperature:
+        return real(1), np.exp(networks.temperature.theta[0])
+    return scaling.value_std, real(1)
+
+
+@compiled_fast
+def learn_temperature(learned: Learned, target_entropy: Any, step: Any, work: Work) -> None:
+    """Step log alpha, after `improve_policy`."""
+    gradient = np.empty_like(learned.theta)
+    gradient[0] = -(work.log_pi.sum() / work.log_pi.size + target_entropy)
+    optimizer.adam(learned, gradient, step)
 
 
 @compiled_fast
 def improve_policy(
-    networks: Networks, noise: Array, scaling: Scaling, work: Work, shapes: Shapes
+    networks: Networks,
+    noise: Array,
+    q_weight: Any,
+    entropy_weight: Any,
+    work: Work,
+    shapes: Shapes,
 ) -> None:
     """The gradient of the policy's loss; on the way, the target of V."""
     batch, q = work.batch, work.fit.critic
@@ -231,10 +280,12 @@ def improve_policy(
         for row in range(rows):
             work.value_aim[row] = min(work.value_aim[row], q.out[row, 0])
     for row in range(rows):
-        work.value_aim[row] -= work.log_pi[row] / scaling.value_std
-        q.out_bar[row, 0] = -share * scaling.value_std
+        work.value_aim[row] -= entropy_weight * work.log_pi[row] / q_weight
+        q.out_bar[row, 0] = -share * q_weight
     network.backward_to_input(Parameters(networks.critics[0].theta, shapes.critic), q)
-    gaussian.pull_back(noise, work.actions, q.x_bar, batch.x.shape[1], share, work.policy)
+    gaussian.pull_back(
+        noise, work.actions, q.x_bar, batch.x.shape[1], share * entropy_weight, work.policy
+    )
     network.backward(policy, work.policy)
     network.gradient(policy, work.policy, Parameters(work.policy_gradient, shapes.policy))
 
@@ -310,7 +361,7 @@ def gradient_pair(
     work = new_work(memory, networks, indices.size, shapes)
     replay.draw(memory, indices, scaling, work.batch)
     replay.scale_rewards(work.batch, rates.reward_scale)
-    replay.draw_derivatives(memory, indices, coordinates, scaling, work.batch)
+    replay.draw_derivatives(memory, indices, coordinates, scaling, work.batch, 0)
     replay.scale_reward_gradients(work.batch, rates.reward_scale)
     v = Parameters(networks.value.target, shapes.value)
     q = Parameters(networks.critics[0].theta, shapes.critic)

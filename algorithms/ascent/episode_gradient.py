@@ -26,9 +26,10 @@ from numpy.typing import NDArray
 from algorithms.failing_rows import Failures, call_rows
 from algorithms.networks import actor, network
 from algorithms.networks.layer import Array
-from algorithms.networks.network import Parameters, Shape
+from algorithms.networks.parameters import Parameters
 from algorithms.networks.policy import Policies, Policy
 from algorithms.networks.scaling import CLIP, normalise
+from algorithms.networks.shape import Shape
 from algorithms.networks.squash import squash_slope
 from physics.environment import Environment
 from physics.kernels.compiled import compiled, compiled_fast

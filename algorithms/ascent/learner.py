@@ -29,9 +29,9 @@ from algorithms.experience.evaluation import episode_returns
 from algorithms.experience.rollout import start_states
 from algorithms.failing_rows import call_each, early_end, found
 from algorithms.measurement import Measurement
-from algorithms.networks import network
 from algorithms.networks.policy import Policies
 from algorithms.networks.scaling import coordinates_of
+from algorithms.networks.shape import shape_of
 from algorithms.settings import GDConfig
 from algorithms.snapshot import Snapshot
 from algorithms.state import Saved, State
@@ -53,7 +53,7 @@ class GDLearner:
         """Draw the initial actors."""
         self._environment = environment
         self._timesteps = timesteps
-        self._shape = network.shape_of(environment.feature_size, environment.action_size, config)
+        self._shape = shape_of(environment.feature_size, environment.action_size, config)
         coordinates = coordinates_of(environment)
         self._runs = [GDRun(environment, coordinates, seed, timesteps, config) for seed in seeds]
         self._by_seed = dict(zip(seeds, self._runs, strict=True))  # those that ended stay here

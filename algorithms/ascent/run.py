@@ -7,12 +7,13 @@ from algorithms.early_end import NotFiniteQuantityError
 from algorithms.history import History
 from algorithms.measurement import Measurement
 from algorithms.memory import episode_bytes
-from algorithms.networks import network
 from algorithms.networks.finite import is_finite
 from algorithms.networks.layer import Array
 from algorithms.networks.optimizer import Learned, adam, corrected, learned
+from algorithms.networks.parameters import initial_theta
 from algorithms.networks.policy import Policy, deterministic
 from algorithms.networks.scaling import Coordinates, Statistics
+from algorithms.networks.shape import shape_of
 from algorithms.settings import GDConfig
 from algorithms.snapshot import Snapshot, inside
 from algorithms.state import State, part, within
@@ -47,8 +48,8 @@ class GDRun:
         self.updates = 0
         self._config = config
         self._environment = environment
-        self._shape = network.shape_of(environment.feature_size, environment.action_size, config)
-        self._actor = learned(network.initial(self._shape, generator(seed, "actor")))
+        self._shape = shape_of(environment.feature_size, environment.action_size, config)
+        self._actor = learned(initial_theta(self._shape, generator(seed, "actor")))
         self._statistics = Statistics(coordinates, environment.action_size)
         self._gradient_norms: list[float] = []
         self._best = -np.inf

@@ -204,16 +204,19 @@ def draw_derivatives(
     coordinates: Coordinates,
     scaling: Scaling,
     batch: Batch,
+    shift: int,
 ) -> None:
     """Fill in the derivatives, after `draw`; those of `next_x` are 0 where it is clipped.
 
     Normalised: rewards by the unit of Q, coordinates and features by their standard deviations.
+    Each row gets those of the transition that `shift` rows further was drawn: 0, its own.
     """
     features, columns = batch.x.shape[1], batch.reward_gradients.shape[1]
     real = batch.x.dtype.type
     for row in range(indices.size):
         k = indices[row]
         coordinate_slopes(memory.features[k], batch.x[row], coordinates, scaling, batch.slopes[row])
+        k = indices[(row + shift) % indices.size]
         for j in range(columns):
             unit = scaling.unit[j] / scaling.value_std
             batch.reward_gradients[row, j] = memory.reward_gradients[k, j] * unit

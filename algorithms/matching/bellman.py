@@ -18,7 +18,8 @@ from algorithms.experience.replay import Batch
 from algorithms.matching.critic import join
 from algorithms.networks import actor, network
 from algorithms.networks.layer import Array
-from algorithms.networks.network import Parameters, Pass
+from algorithms.networks.network import Pass
+from algorithms.networks.parameters import Parameters
 from algorithms.networks.scaling import Scaling
 from physics.kernels.compiled import compiled_fast
 
@@ -54,9 +55,23 @@ def target_gradient(
     result: Array,
 ) -> None:
     """The normalised target gradient [B, C + m], after `target_value` with the same arrays."""
-    features = batch.x.shape[1]
     least_gradient(critic_targets, critic_works)
     by_input = critic_works[0].x_bar
+    through_policy(actor_target, batch, gamma, actor_work, by_input, next_actions, result)
+
+
+@compiled_fast
+def through_policy(
+    actor_target: Parameters,
+    batch: Batch,
+    gamma: Any,
+    actor_work: Pass,
+    by_input: Array,
+    next_actions: Array,
+    result: Array,
+) -> None:
+    """The target gradient from that of Q' in its inputs, `by_input [B, F + m]`."""
+    features = batch.x.shape[1]
     actor.pull_back(next_actions, by_input, features, actor_work)
     network.backward_to_input(actor_target, actor_work)
     for row in range(result.shape[0]):

@@ -15,8 +15,10 @@ from algorithms.matching import losses
 from algorithms.matching.losses import Matching
 from algorithms.networks import network
 from algorithms.networks.layer import Array
-from algorithms.networks.network import Direction, Parameters, Pass, Shape
+from algorithms.networks.network import Direction, Pass
+from algorithms.networks.parameters import Parameters
 from algorithms.networks.scaling import Coordinates
+from algorithms.networks.shape import Shape
 from physics.kernels.compiled import compiled_fast
 
 
@@ -88,7 +90,12 @@ def matched_fit(
     own_gradient(q, batch, coordinates, work)
     value_loss = losses.value_loss(critic.out, work.value, moved.out_til)
     gradient_loss = losses.gradient_loss(
-        work.gradient, work.target, coordinates.seen.size, matching, work.direction
+        work.gradient,
+        work.target,
+        batch.continues,
+        coordinates.seen.size,
+        matching,
+        work.direction,
     )
     losses.input_direction(batch, coordinates, work.direction, moved.x)
     network.tangent(q, critic, moved)

@@ -3,9 +3,20 @@
     value:      1/B sum (Q - Qhat)^2
     gradient:   1/B sum w1 |dQ/da - dQhat/da|^2 + w2 |dQ/ds - dQhat/ds|^2        (L2, Algorithm 1)
                 1/B sum w1 (1 - cos(dQ/da, dQhat/da)) + w2 (1 - cos(dQ/ds, dQhat/ds))   (equation 3)
+                1/B sum c (w1 rho^2 h(|dQ/da - dQhat/da| / rho) + w2 (1 - cos(dQ/ds, dQhat/ds)))
+                                                                                          (robust)
 
 everything in normalised units. A gradient loss hands back `v = dL / d(dQ/dz)`; the gradient of L
 with respect to the parameters is then that of `v . dQ/dz`, v held (algorithms.networks.network).
+
+The robust loss is our own. The action's gradient, which the actor climbs, is matched in its size,
+with a bound on what one row can pull (pseudo-Huber, Charbonnier et al., 1997):
+
+    h(x) = 2 (sqrt(1 + x^2) - 1),     rho = mean over the batch of |dQhat/da|
+
+which is the L2 loss for residuals below rho and grows like 2 rho |residual| beyond. The state's
+gradient, which recurs through the Jacobians, is matched in its direction alone. Rows at which the
+task ended, c = 0, are left out: their target has no gradient but the reward's.
 
 The cosine of two short vectors fades to 0, and its derivative stays below 1 / EPSILON:
 
@@ -29,6 +40,7 @@ from physics.kernels.compiled import compiled_fast
 
 ONE, TWO = np.float32(1), np.float32(2)
 EPSILON = np.float32(1e-3)
+L2, COSINE, ROBUST = range(3)
 
 
 class Matching(NamedTuple):
@@ -38,19 +50,35 @@ class Matching(NamedTuple):
     """Weight of the action gradient."""
     w2: np.float32
     """Weight of the state gradient."""
-    by_cosine: bool
-    """Whether by the angle between them (equation 3), not by their L2 distance (Algorithm 1)."""
+    loss: int
+    """L2 (Algorithm 1), COSINE (equation 3) or ROBUST."""
+    shift: int
+    """How many rows further the derivatives come from: 0, or 1 for a placebo."""
+    is_aimed: bool
+    """Whether there is a target, not 0 for a placebo."""
 
 
-def matching_of(weights: tuple[float, float], *, by_cosine: bool) -> Matching:
-    """Matching with the weights (w1, w2)."""
-    return Matching(np.float32(weights[0]), np.float32(weights[1]), by_cosine)
+def matching_of(weights: tuple[float, float], loss: int, placebo: str = "none") -> Matching:
+    """Matching with the weights (w1, w2); a placebo has the cost and no information.
+
+    With "shuffled", each transition gets the derivatives of another; with "untargeted", the target
+    is 0, so that the gradient is only kept small.
+    """
+    w1, w2 = np.float32(weights[0]), np.float32(weights[1])
+    return Matching(w1, w2, loss, int(placebo == "shuffled"), placebo != "untargeted")
 
 
 @compiled_fast
 def is_matched(matching: Matching) -> Any:
     """Whether there is a gradient loss at all."""
     return matching.w1 > 0 or matching.w2 > 0
+
+
+@compiled_fast
+def blind(matching: Matching, target: Array) -> None:
+    """Set the target of the gradients to 0 where a placebo wants none."""
+    if not matching.is_aimed:
+        target[:] = 0
 
 
 @compiled_fast
@@ -84,14 +112,24 @@ def critic_gradient(batch: Batch, coordinates: Coordinates, x_bar: Array, result
 
 @compiled_fast
 def gradient_loss(
-    gradient: Array, target: Array, seen: int, matching: Matching, direction: Array
+    gradient: Array,
+    target: Array,
+    continues: Array,
+    seen: int,
+    matching: Matching,
+    direction: Array,
 ) -> Any:
     """The gradient loss of `gradient [B, C + m]`; its derivative goes to `direction`."""
-    if matching.by_cosine:
-        actions = cosine_loss(gradient, target, seen, gradient.shape[1], matching.w1, direction)
-        return actions + cosine_loss(gradient, target, 0, seen, matching.w2, direction)
-    actions = squared_loss(gradient, target, seen, gradient.shape[1], matching.w1, direction)
-    return actions + squared_loss(gradient, target, 0, seen, matching.w2, direction)
+    w1, w2, end = matching.w1, matching.w2, gradient.shape[1]
+    if matching.loss == L2:
+        actions = squared_loss(gradient, target, seen, end, w1, direction)
+        return actions + squared_loss(gradient, target, 0, seen, w2, direction)
+    every = np.ones_like(continues)
+    if matching.loss == COSINE:
+        actions = cosine_loss(gradient, target, every, seen, end, w1, direction)
+        return actions + cosine_loss(gradient, target, every, 0, seen, w2, direction)
+    actions = bounded_loss(gradient, target, continues, seen, end, w1, direction)
+    return actions + cosine_loss(gradient, target, continues, 0, seen, w2, direction)
 
 
 @compiled_fast
@@ -114,10 +152,63 @@ def squared_loss(
 
 
 @compiled_fast
-def cosine_loss(
-    gradient: Array, target: Array, first: int, end: int, weight: Any, direction: Array
+def bounded_loss(
+    gradient: Array,
+    target: Array,
+    rows_in: Array,
+    first: int,
+    end: int,
+    weight: Any,
+    direction: Array,
 ) -> Any:
-    """The cosine loss of columns `first` to `end`: `dcos/dg = (t / |t|' - cos g / |g|') / |g|'`."""
+    """The pseudo-Huber loss of columns `first` to `end`, over the rows where `rows_in [B]` is 1.
+
+    `dL/dg = 2 w1 residual / sqrt(1 + |residual|^2 / rho^2)`.
+    """
+    rows = gradient.shape[0]
+    real = gradient.dtype.type
+    share = weight / real(rows)
+    rho = mean_norm(target, rows_in, first, end)
+    loss = real(0)
+    for row in range(rows):
+        square = real(0)
+        for j in range(first, end):
+            square += (gradient[row, j] - target[row, j]) ** 2
+        stretch = np.sqrt(ONE + square / (rho * rho))
+        loss += rows_in[row] * TWO * rho * rho * (stretch - ONE)
+        pull = rows_in[row] * TWO * share / stretch
+        for j in range(first, end):
+            direction[row, j] = pull * (gradient[row, j] - target[row, j])
+    return loss * share
+
+
+@compiled_fast
+def mean_norm(vectors: Array, rows_in: Array, first: int, end: int) -> Any:
+    """The mean of `|v|` over the rows where `rows_in` is 1, no shorter than EPSILON."""
+    total, count = vectors.dtype.type(0), vectors.dtype.type(0)
+    for row in range(vectors.shape[0]):
+        square = vectors.dtype.type(0)
+        for j in range(first, end):
+            square += vectors[row, j] * vectors[row, j]
+        total += rows_in[row] * np.sqrt(square)
+        count += rows_in[row]
+    return max(total / max(count, ONE), EPSILON)
+
+
+@compiled_fast
+def cosine_loss(
+    gradient: Array,
+    target: Array,
+    rows_in: Array,
+    first: int,
+    end: int,
+    weight: Any,
+    direction: Array,
+) -> Any:
+    """The cosine loss of columns `first` to `end`: `dcos/dg = (t / |t|' - cos g / |g|') / |g|'`.
+
+    Over the rows where `rows_in [B]` is 1.
+    """
     rows = gradient.shape[0]
     real = gradient.dtype.type
     share = weight / real(rows)
@@ -130,10 +221,10 @@ def cosine_loss(
             aim += target[row, j] * target[row, j]
         own, aim = ONE / np.sqrt(own), ONE / np.sqrt(aim)
         cosine = product * own * aim
-        loss += ONE - cosine
+        loss += rows_in[row] * (ONE - cosine)
         for j in range(first, end):
             along = target[row, j] * aim - cosine * gradient[row, j] * own
-            direction[row, j] = -share * own * along
+            direction[row, j] = -share * rows_in[row] * own * along
     return loss * share
 
 

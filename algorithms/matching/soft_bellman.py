@@ -17,7 +17,8 @@ from algorithms.experience.replay import Batch
 from algorithms.matching import bellman
 from algorithms.networks import network
 from algorithms.networks.layer import Array
-from algorithms.networks.network import Parameters, Pass
+from algorithms.networks.network import Pass
+from algorithms.networks.parameters import Parameters
 from algorithms.networks.scaling import Scaling
 from physics.kernels.compiled import compiled_fast
 

@@ -12,10 +12,14 @@ from numpy.typing import NDArray
 from algorithms.networks import network
 from algorithms.networks.gaussian import spread
 from algorithms.networks.layer import Array
-from algorithms.networks.network import Parameters, Pass, Shape
+from algorithms.networks.network import Pass
+from algorithms.networks.parameters import Parameters
 from algorithms.networks.scaling import normalise
+from algorithms.networks.shape import Shape
 from algorithms.networks.squash import squash, squash_slope
 from physics.kernels.compiled import compiled_fast
+
+ONE = np.float32(1)
 
 
 @compiled_fast
@@ -47,10 +51,14 @@ def act_rows(
 ) -> None:
     """Let actor `theta[k]` act on `features[k]`, each row by itself.
 
-    Shapes: theta [K, P], mean, inverse and features [K, F], actions [K, m], noise [K, m] for a
-    stochastic actor, [K, 0] for none.
+    Noise is that of a stochastic actor, which has a spread for each action, or is added to the
+    actions of a deterministic one, which stay within their bounds.
+
+    Shapes: theta [K, P], mean, inverse and features [K, F], actions [K, m], noise [K, m], or [K, 0]
+    for none.
     """
     m = actions.shape[1]
+    is_noisy, is_stochastic = noise.shape[1] > 0, shape.outputs > m
     work = network.new_pass(theta, 1, shape)
     for k in range(theta.shape[0]):
         for i in range(mean.shape[1]):
@@ -58,6 +66,9 @@ def act_rows(
         network.forward(Parameters(theta[k], shape), work)
         for i in range(m):
             u = work.out[0, i]
-            if noise.shape[1] > 0:
+            if is_noisy and is_stochastic:
                 u += spread(work.out[0, m + i]) * noise[k, i]
-            actions[k, i] = squash(u)
+            a = squash(u)
+            if is_noisy and not is_stochastic:
+                a = min(max(a + noise[k, i], -ONE), ONE)
+            actions[k, i] = a

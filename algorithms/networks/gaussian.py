@@ -22,7 +22,8 @@ import numpy as np
 
 from algorithms.networks import network
 from algorithms.networks.layer import Array
-from algorithms.networks.network import Parameters, Pass
+from algorithms.networks.network import Pass
+from algorithms.networks.parameters import Parameters
 from algorithms.networks.squash import squash, squash_slope
 from physics.kernels.compiled import compiled_fast
 

@@ -2,14 +2,8 @@
 
     out = h_L V + d,   h_k = layer_k(h_{k-1}),   h_0 = x                (algorithms.networks.layer)
 
-All parameters of a network lie in one flat vector theta, products first, then biases, then the
-gains and shifts of layer normalisation:
-
-    theta = [W_1 | ... | W_L | V | b_1 | ... | b_L | d | g_1 | c_1 | ... | g_L | c_L]
-
-so that Adam, Polyak averaging and weight decay are loops over a vector, and "every parameter but
-layer normalisation's" (parameter noise) is a prefix of it. What a pass leaves lies in flat vectors
-too, layer after layer; a layer's part is a view.
+What a pass leaves lies in flat vectors, layer after layer, as the parameters do
+(algorithms.networks.shape); a layer's part is a view.
 
 Four passes, each filling arrays made once:
 
@@ -25,66 +19,15 @@ Glossary: `B` rows, `I` inputs, `L` hidden layers, `H` units of one of them, `U`
 outputs.
 """
 
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from algorithms.networks import layer
-from algorithms.networks.activation import NAMED, Activation, Tanh
-from algorithms.networks.layer import Adjoint, Array, Layer, LayerTangent, Trace
+from algorithms.networks.layer import Adjoint, Array, LayerTangent, Trace
+from algorithms.networks.parameters import Parameters, hidden_layer, output_layer
+from algorithms.networks.shape import Shape, inputs_of, units_before
 from physics.kernels.compiled import compiled_fast
-
-LAST = 3e-3
-
-
-class Shape(NamedTuple):
-    """The sizes of a network, and its activation."""
-
-    inputs: int
-    hidden: tuple[int, ...]
-    """Units of each hidden layer; at least one layer."""
-    outputs: int
-    activation: Activation = Tanh()
-
-
-class HiddenSettings(Protocol):
-    """The settings that say what a network is like inside (algorithms.settings)."""
-
-    @property
-    def hidden_units(self) -> int:
-        """Units of each hidden layer."""
-
-    @property
-    def hidden_layers(self) -> int:
-        """How many there are."""
-
-    @property
-    def activation(self) -> str:
-        """The name of their activation."""
-
-
-def shape_of(inputs: int, outputs: int, config: HiddenSettings) -> Shape:
-    """The shape that the settings say."""
-    hidden = (config.hidden_units,) * config.hidden_layers
-    return Shape(inputs, hidden, outputs, NAMED[config.activation])
-
-
-class Parameters(NamedTuple):
-    """A flat vector of parameters, or of a gradient, and how it is laid out."""
-
-    theta: Array
-    """[P]"""
-    shape: Shape
-
-
-class Output(NamedTuple):
-    """Parameters of the output layer."""
-
-    weight: Array
-    """[H, O]"""
-    bias: Array
-    """[O]"""
 
 
 class Pass(NamedTuple):
@@ -123,111 +66,6 @@ class Direction(NamedTuple):
     til: Array
     product: Array
     """[largest of the hidden products], scratch"""
-
-
-@compiled_fast
-def inputs_of(shape: Shape, k: int) -> Any:
-    """How many inputs hidden layer k has, from 0; for k = L, the output layer."""
-    return shape.inputs if k == 0 else shape.hidden[k - 1]
-
-
-@compiled_fast
-def units_before(shape: Shape, k: int) -> Any:
-    """How many units the hidden layers before k have."""
-    count = 0
-    for i in range(k):
-        count += shape.hidden[i]
-    return count
-
-
-@compiled_fast
-def products_before(shape: Shape, k: int) -> Any:
-    """How many entries the products of the hidden layers before k have."""
-    count = 0
-    for i in range(k):
-        count += inputs_of(shape, i) * shape.hidden[i]
-    return count
-
-
-@compiled_fast
-def decayed_size(shape: Shape) -> Any:
-    """How many parameters, from the first, are hidden products."""
-    return products_before(shape, len(shape.hidden))
-
-
-@compiled_fast
-def bias_offset(shape: Shape) -> Any:
-    """Where the biases begin in theta."""
-    return decayed_size(shape) + inputs_of(shape, len(shape.hidden)) * shape.outputs
-
-
-@compiled_fast
-def noisy_size(shape: Shape) -> Any:
-    """How many parameters, from the first, are not layer normalisation's."""
-    return bias_offset(shape) + units_before(shape, len(shape.hidden)) + shape.outputs
-
-
-def parameter_size(shape: Shape) -> int:
-    """The length of theta."""
-    return int(noisy_size(shape)) + 2 * sum(shape.hidden)
-
-
-def initial(shape: Shape, generator: np.random.Generator) -> NDArray[np.float32]:
-    """Draw theta: hidden products Glorot-uniform, the last layer U(-0.003, 0.003), the rest 0 or 1.
-
-    A small last layer lets the actor begin near 0 and the critic near its mean (Lillicrap, 2015).
-    """
-    theta = np.zeros(parameter_size(shape), np.float32)
-    p = Parameters(theta, shape)
-    hidden = [hidden_layer(p, k) for k in range(len(shape.hidden))]
-    for each in hidden:
-        drawn = generator.uniform(-1, 1, each.weight.shape)
-        each.weight[:] = drawn * np.sqrt(6 / sum(each.weight.shape))
-    last = output_layer(p).weight
-    last[:] = generator.uniform(-LAST, LAST, last.shape)
-    for each in hidden:
-        inputs, units = each.weight.shape
-        each.bias[:] = generator.uniform(-1, 1, units) / np.sqrt(inputs)
-        each.gain[:] = 1
-    return theta
-
-
-@compiled_fast
-def hidden_layer(p: Parameters, k: int) -> Layer:
-    """The parameters of hidden layer k; no copy."""
-    shape, theta = p.shape, p.theta
-    inputs, units = inputs_of(shape, k), shape.hidden[k]
-    w = products_before(shape, k)
-    b = bias_offset(shape) + units_before(shape, k)
-    g = noisy_size(shape) + 2 * units_before(shape, k)
-    return Layer(
-        theta[w : w + inputs * units].reshape((inputs, units)),
-        theta[b : b + units],
-        theta[g : g + units],
-        theta[g + units : g + 2 * units],
-    )
-
-
-@compiled_fast
-def output_layer(p: Parameters) -> Output:
-    """The parameters of the output layer; no copy."""
-    shape, theta = p.shape, p.theta
-    v, b, end = decayed_size(shape), bias_offset(shape), noisy_size(shape)
-    units = inputs_of(shape, len(shape.hidden))
-    return Output(
-        theta[v:b].reshape((units, shape.outputs)),
-        theta[end - shape.outputs : end],
-    )
-
-
-def first_outputs(theta: NDArray[np.float32], shape: Shape, outputs: int) -> NDArray[np.float32]:
-    """Theta of the same network with its first so many outputs alone."""
-    last = output_layer(Parameters(theta, shape))
-    v, b, end = decayed_size(shape), bias_offset(shape), noisy_size(shape)
-    return np.concatenate([
-        theta[:v], last.weight[:, :outputs].ravel(), theta[b : end - shape.outputs],
-        last.bias[:outputs], theta[end:],
-    ])  # fmt: skip
 
 
 @compiled_fast

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from algorithms.networks.actor import act_rows
-from algorithms.networks.network import Shape
+from algorithms.networks.shape import Shape
 
 
 class Policy(NamedTuple):
@@ -20,7 +20,7 @@ class Policy(NamedTuple):
     inverse: NDArray[np.float32]
     """[F]"""
     noise: NDArray[np.float32]
-    """[T, m], a row for each of the next T steps; T = 0: deterministic (networks.actor)."""
+    """[T, m], a row for each of the next T steps; T = 0: none (networks.actor)."""
 
 
 def deterministic(

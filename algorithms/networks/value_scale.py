@@ -26,10 +26,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from algorithms.early_end import NotFiniteQuantityError
-from algorithms.networks import network
-from algorithms.networks.network import Parameters, Shape
 from algorithms.networks.optimizer import Learned
+from algorithms.networks.parameters import Parameters, output_layer
 from algorithms.networks.scaling import Statistics
+from algorithms.networks.shape import Shape
 
 
 class UnitChange(NamedTuple):
@@ -70,11 +70,11 @@ def rewrite_fit(fitted: Learned, shape: Shape, change: UnitChange) -> None:
     ratio, shift = np.float32(change.ratio), np.float32(change.shift)
     for theta in (fitted.theta, fitted.target):
         if theta.size:
-            last = network.output_layer(Parameters(theta, shape))
+            last = output_layer(Parameters(theta, shape))
             last.weight[:] *= ratio
             last.bias[:] = last.bias * ratio + shift
     by_parameter = np.full(fitted.theta.size, ratio**2)
-    last = network.output_layer(Parameters(by_parameter, shape))
+    last = output_layer(Parameters(by_parameter, shape))
     last.weight[:] = last.bias[:] = ratio
     rescale_moments(fitted, by_parameter)
 

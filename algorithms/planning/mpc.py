@@ -39,9 +39,9 @@ from algorithms.experience.rollout import start_states
 from algorithms.failing_rows import Failures, early_end
 from algorithms.history import History
 from algorithms.measurement import Measurement
-from algorithms.networks import network
-from algorithms.networks.network import Shape
+from algorithms.networks.parameters import initial_theta
 from algorithms.networks.policy import Policies, deterministic
+from algorithms.networks.shape import Shape
 from algorithms.planning.episodes import Episodes, replay, roll_out, window_return
 from algorithms.planning.planner import Planner
 from algorithms.settings import MPCConfig
@@ -250,7 +250,7 @@ def first_plans(
     mean = np.zeros(shape.inputs, np.float32)
     actors = [
         deterministic(
-            network.initial(shape, generator(seed, "actor")),
+            initial_theta(shape, generator(seed, "actor")),
             mean,
             np.ones_like(mean),
             environment.action_size,

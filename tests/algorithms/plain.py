@@ -15,11 +15,11 @@ from torch import Tensor
 import physics
 from algorithms.experience.replay import Memory
 from algorithms.experience.target_jacobian import fold
-from algorithms.networks import network
 from algorithms.networks.activation import ELU, ReLU, SiLU, Tanh
-from algorithms.networks.network import Shape
 from algorithms.networks.optimizer import Learned
+from algorithms.networks.parameters import initial_theta
 from algorithms.networks.scaling import Coordinates, Scaling, Statistics, coordinates_of
+from algorithms.networks.shape import Shape
 from physics.environment import Environment
 from physics.randomness import generator
 
@@ -30,6 +30,9 @@ ACTIVATIONS: dict[type, Callable[[Tensor], Tensor]] = {
     ReLU: torch.relu,
 }
 STORED, ROWS, GAMMA, TAU = 200, 32, 0.97, 0.05
+
+
+Distance = Callable[[Tensor, Tensor], Tensor]
 
 
 class Setting(NamedTuple):
@@ -68,7 +71,7 @@ def setting(name: str) -> Setting:
 
 def not_small(shape: Shape, random: np.random.Generator) -> NDArray[np.float32]:
     """Parameters of a network whose outputs are not small."""
-    theta = network.initial(shape, random)
+    theta = initial_theta(shape, random)
     theta += 0.1 * random.standard_normal(theta.size, np.float32)
     return theta
 
@@ -145,20 +148,39 @@ class PlainBatch:
         q: Plain,
         targets: tuple[Tensor, Tensor],
         weights: tuple[float, float],
-        distance: Callable[[Tensor, Tensor], Tensor],
+        distance: Distance,
+        state_distance: Distance | None = None,
     ) -> Tensor:
-        """The value loss and the weighted distances of the gradients."""
+        """The value loss and the weighted distances of the actions' and state's gradients."""
         value, own = self.value_and_gradient(q)
         target, aim = targets
         seen = len(self.coordinates.seen)
         by_action = distance(own[:, seen:], aim[:, seen:])
-        by_state = distance(own[:, :seen], aim[:, :seen])
+        by_state = (state_distance or distance)(own[:, :seen], aim[:, :seen])
         return ((value - target) ** 2 + weights[0] * by_action + weights[1] * by_state).mean()
 
 
 def squared(own: Tensor, target: Tensor) -> Tensor:
     """The L2 distance of gradients."""
     return ((own - target) ** 2).sum(1)
+
+
+def angular(own: Tensor, target: Tensor) -> Tensor:
+    """Equation 3, both vectors made longer by one more entry, which the product leaves out."""
+    own_norm, target_norm = (((each**2).sum(1) + 1e-6).sqrt() for each in (own, target))
+    return 1 - (own * target).sum(1) / (own_norm * target_norm)
+
+
+def robust(goes_on: Tensor) -> tuple[Distance, Distance]:
+    """The robust loss's distances, of actions' and states' gradients, where the task goes on."""
+
+    def bounded(own: Tensor, target: Tensor) -> Tensor:
+        rho = (goes_on * target.norm(dim=1)).sum() / goes_on.sum()
+        square = ((own - target) ** 2).sum(1)
+        loss: Tensor = goes_on * 2 * rho**2 * ((1 + square / rho**2).sqrt() - 1)
+        return loss
+
+    return bounded, lambda own, target: goes_on * angular(own, target)
 
 
 def gradient_of(value: Tensor, *inputs: Tensor) -> tuple[Tensor, ...]:

@@ -21,7 +21,8 @@ from physics.kernels.compiled import compiled_fast
 from tests.algorithms.other_rewards import OtherRewards
 
 Events = list[Measurement | EarlyEnd]
-LEARNERS = ["ddpg", "hybrid-ddpg", "hybrid-ddpg-cosine", "sac", "hybrid-sac", "gd", "mpc"]
+LEARNERS = ["ddpg", "hybrid-ddpg", "hybrid-ddpg-cosine", "hybrid-ddpg-robust", "td3",
+            "hybrid-td3", "sac", "hybrid-sac", "gd", "mpc"]  # fmt: skip
 SMALL = {"hidden_units": 8}
 
 
@@ -265,9 +266,17 @@ SETTINGS: dict[str, dict[str, st.SearchStrategy[Any]]] = {
         "cycle_updates": st.integers(1, 20), "replay_size": st.integers(100, 400),
         "noise": SHARE, "time_limit_is_terminal": st.booleans(),
     },
+    "td3": {
+        "hidden_units": st.integers(4, 16), "batch_size": st.integers(1, 32),
+        "actor_rate": RATE, "critic_rate": RATE, "tau": st.floats(1e-6, 1.0), "gamma": SHARE,
+        "rollout_steps": st.integers(1, 200), "cycle_updates": st.integers(1, 20),
+        "replay_size": st.integers(100, 400), "noise": SHARE, "target_noise": SHARE,
+        "noise_bound": SHARE, "delay": st.integers(1, 3),
+    },
     "sac": {
         "hidden_units": st.integers(4, 16), "batch_size": st.integers(1, 32), "rate": RATE,
         "tau": st.floats(1e-6, 1.0), "gamma": SHARE, "reward_scale": st.floats(1e-6, 1e6),
+        "temperature": st.sampled_from(["fixed", "learned"]),
         "rollout_steps": st.integers(1, 200), "cycle_updates": st.integers(1, 20),
         "replay_size": st.integers(100, 400),
     },
@@ -291,7 +300,7 @@ REWARDS: list[Callable[[FloatArray, FloatArray], FloatArray]] = [
 
 @pytest.mark.parametrize("name", LEARNERS)
 def test_a_run_ends_at_its_timesteps_or_as_diverged_whatever_the_settings(name: str) -> None:
-    base = name.removeprefix("hybrid-").removesuffix("-cosine")
+    base = catalogue.baseline(name) or name
 
     @settings(max_examples=20, deadline=None, database=None, derandomize=True,
               suppress_health_check=list(HealthCheck))  # fmt: skip

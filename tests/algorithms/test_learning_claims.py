@@ -45,7 +45,17 @@ def test_matching_gradients_helps_on_cart_pole() -> None:
 @pytest.mark.slow
 @pytest.mark.timeout(1200)
 @pytest.mark.parametrize(
-    "algorithm", ["ddpg", "hybrid-ddpg", "hybrid-ddpg-cosine", "sac", "hybrid-sac"]
+    "algorithm",
+    [
+        "ddpg",
+        "hybrid-ddpg",
+        "hybrid-ddpg-cosine",
+        "hybrid-ddpg-robust",
+        "td3",
+        "hybrid-td3",
+        "sac",
+        "hybrid-sac",
+    ],
 )
 def test_every_learner_with_a_replay_solves_pendulum(algorithm: str) -> None:
     scores = normalised(algorithm, "Pendulum")

@@ -16,11 +16,15 @@ from tests.algorithms.probes import Bandit, Integrator, Postponed, Probe
 SEEDS, TIMESTEPS, EVERY = range(4), 2_400, 800
 CYCLE = {"rollout_steps": 100, "cycle_updates": 100, "hidden_units": 16, "tau": 0.05}
 DDPG = {"actor_rate": 1e-3, "critic_rate": 3e-3, "noise": 0.3, **CYCLE}
+TD3 = {"actor_rate": 1e-3, "critic_rate": 3e-3, "noise": 0.3, **CYCLE}
 SAC = {"rate": 3e-3, "reward_scale": 30.0, **CYCLE}
 LEARNERS: dict[str, tuple[tuple[float, float], dict[str, Any]]] = {
     "ddpg": ((0.0, 0.0), DDPG),
     "hybrid-ddpg": ((0.1, 0.1), DDPG),
     "hybrid-ddpg-cosine": ((0.01, 0.01), DDPG),
+    "hybrid-ddpg-robust": ((0.1, 0.1), DDPG),
+    "td3": ((0.0, 0.0), TD3),
+    "hybrid-td3": ((0.1, 0.1), TD3),
     "sac": ((0.0, 0.0), SAC),
     "hybrid-sac": ((0.1, 0.1), SAC),
 }

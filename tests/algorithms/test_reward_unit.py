@@ -19,9 +19,12 @@ class Case(NamedTuple):
 
     name: str
     weights: tuple[float, float] = (0.0, 0.0)
+    temperature: str = ""
 
     def settings(self, factor: float) -> dict[str, Any]:
-        """SAC's temperature is in the rewards' unit: it moves with it."""
+        """SAC's fixed temperature is in the rewards' unit: it moves with it."""
+        if self.temperature:
+            return {"temperature": self.temperature}
         return {"reward_scale": REWARD_SCALE / factor} if "sac" in self.name else {}
 
 
@@ -30,6 +33,10 @@ CASES = [
     Case("hybrid-ddpg", (1.0, 0.1)),
     Case("hybrid-ddpg-cosine", (0.1, 0.1)),
     Case("sac"),
+    Case("hybrid-ddpg-robust", (1.0, 0.1)),
+    Case("td3"),
+    Case("hybrid-td3", (1.0, 0.1)),
+    Case("sac", temperature="learned"),
     Case("hybrid-sac", (0.1, 0.1)),
 ]
 

@@ -17,7 +17,8 @@ from algorithms.learner import Learner
 from algorithms.measurement import Measurement
 from algorithms.stopwatch import Cost, Stopwatch
 
-LEARNERS = ["ddpg", "hybrid-ddpg", "hybrid-ddpg-cosine", "sac", "hybrid-sac", "gd", "mpc"]
+LEARNERS = ["ddpg", "hybrid-ddpg", "hybrid-ddpg-cosine", "hybrid-ddpg-robust", "td3",
+            "hybrid-td3", "sac", "hybrid-sac", "gd", "mpc"]  # fmt: skip
 BUSY = 0.05
 """Seconds of work in these tests."""
 

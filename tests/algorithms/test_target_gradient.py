@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from algorithms.actor_critic import ddpg_update, sac_update
-from algorithms.networks.network import Shape
 from algorithms.networks.optimizer import learned
+from algorithms.networks.shape import Shape
 from tests.algorithms.actor_critic.test_sac_update import RATES, SCALE, networks_in, shapes_in
 from tests.algorithms.plain import GAMMA, Plain, PlainBatch, Setting, not_small, setting
 

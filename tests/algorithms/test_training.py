@@ -15,6 +15,9 @@ WEIGHTS = {
     "ddpg": (0.0, 0.0),
     "hybrid-ddpg": (0.1, 0.01),
     "hybrid-ddpg-cosine": (0.1, 0.01),
+    "hybrid-ddpg-robust": (1.0, 0.1),
+    "td3": (0.0, 0.0),
+    "hybrid-td3": (1.0, 0.1),
     "sac": (0.0, 0.0),
     "hybrid-sac": (0.1, 0.01),
     "gd": (0.0, 0.0),
@@ -41,7 +44,13 @@ def test_alone_and_in_a_cohort_the_same_bits(name: str) -> None:
 
 @pytest.mark.parametrize(
     ("hybrid", "plain"),
-    [("hybrid-ddpg", "ddpg"), ("hybrid-ddpg-cosine", "ddpg"), ("hybrid-sac", "sac")],
+    [
+        ("hybrid-ddpg", "ddpg"),
+        ("hybrid-ddpg-cosine", "ddpg"),
+        ("hybrid-ddpg-robust", "ddpg"),
+        ("hybrid-td3", "td3"),
+        ("hybrid-sac", "sac"),
+    ],
 )
 @pytest.mark.filterwarnings("ignore:.*matches no gradients")
 def test_hybrid_without_weights_is_the_plain_learner(hybrid: str, plain: str) -> None:

@@ -1,6 +1,7 @@
 """Colours of algorithms: bound to the name, so that a figure's order never changes them.
 
-The Okabe-Ito palette (Okabe and Ito, 2008), told apart by the colour-blind. Curves of one colour
+The Okabe-Ito palette (Okabe and Ito, 2008), told apart by the colour-blind, and darker colours for
+the learners beyond its eight. Curves of one colour
 differ in their dashes. web/static/parts/palette.js has both too.
 """
 
@@ -16,11 +17,17 @@ YELLOW = "#F0E442"
 BLUE = "#0072B2"
 VERMILION = "#D55E00"
 PURPLE = "#CC79A7"
+BROWN = "#A0623A"
+VIOLET = "#7A5FD0"
+OLIVE = "#8A8A00"
 
 COLOURS = {
     "ddpg": BLUE,
     "hybrid-ddpg": VERMILION,
     "hybrid-ddpg-cosine": PURPLE,
+    "hybrid-ddpg-robust": BROWN,
+    "td3": VIOLET,
+    "hybrid-td3": OLIVE,
     "sac": SKY_BLUE,
     "hybrid-sac": ORANGE,
     "gd": GREEN,

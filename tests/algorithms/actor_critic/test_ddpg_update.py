@@ -1,18 +1,18 @@
 """One update of DDPG and its hybrids against the equations written plainly in torch, float64."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
 import torch
-from torch import Tensor
 
-from algorithms.actor_critic.ddpg_update import Rates, empty_report, update
-from algorithms.matching.losses import matching_of
-from algorithms.networks import network
+from algorithms.actor_critic.ddpg_update import Rates, update
+from algorithms.actor_critic.deterministic import empty_report
+from algorithms.matching.losses import COSINE, L2, ROBUST, matching_of
 from algorithms.networks.activation import ELU, Activation, ReLU, SiLU, Tanh
-from algorithms.networks.network import Shape
 from algorithms.networks.optimizer import learned
+from algorithms.networks.shape import Shape, decayed_size
 from physics.randomness import generator
 from tests.algorithms.plain import (
     GAMMA,
@@ -22,20 +22,17 @@ from tests.algorithms.plain import (
     Plain,
     PlainBatch,
     Setting,
+    angular,
     assert_followed,
     assert_stepped,
     not_small,
+    robust,
     setting,
     squared,
 )
 
+LOSSES = {squared: L2, angular: COSINE, robust: ROBUST}
 DECAY, ACTOR_RATE, CRITIC_RATE = 1e-2, 1e-4, 1e-3
-
-
-def angular(own: Tensor, target: Tensor) -> Tensor:
-    """Equation 3, both vectors made longer by one more entry, which the product leaves out."""
-    own_norm, target_norm = (((each**2).sum(1) + 1e-6).sqrt() for each in (own, target))
-    return 1 - (own * target).sum(1) / (own_norm * target_norm)
 
 
 def shapes_in(
@@ -55,10 +52,12 @@ def shapes_in(
         ((0.7, 0.3), squared),
         ((0.7, 0.0), angular),
         ((0.7, 0.3), angular),
+        ((0.7, 0.0), robust),
+        ((0.7, 0.3), robust),
     ],
 )
 def test_update_is_the_equations(
-    name: str, weights: tuple[float, float], distance: Callable[[Tensor, Tensor], Tensor]
+    name: str, weights: tuple[float, float], distance: Callable[..., Any]
 ) -> None:
     assert_update_is_the_equations(name, weights, distance, (16, 16), Tanh())
 
@@ -82,7 +81,7 @@ def test_update_is_the_equations_for_any_network(
 def assert_update_is_the_equations(
     name: str,
     weights: tuple[float, float],
-    distance: Callable[[Tensor, Tensor], Tensor],
+    distance: Callable[..., Any],
     hidden: tuple[int, ...],
     activation: Activation,
 ) -> None:
@@ -97,8 +96,11 @@ def assert_update_is_the_equations(
     pi, pi_target = (Plain(theta, shapes[0]) for theta in (actor.theta, actor.target))
     q, q_target = (Plain(theta, shapes[1]) for theta in (critic.theta, critic.target))
     targets = batch.targets(lambda x: q_target(torch.cat([x, torch.tanh(pi_target(x))], 1))[:, 0])
-    decayed = q.theta[: network.decayed_size(shapes[1])]
-    critic_loss = batch.critic_loss(q, targets, weights, distance) + DECAY / 2 * (decayed**2).sum()
+    decayed = q.theta[: decayed_size(shapes[1])]
+    distances = robust(batch.goes_on) if distance is robust else (distance, distance)
+    critic_loss = (
+        batch.critic_loss(q, targets, weights, *distances) + DECAY / 2 * (decayed**2).sum()
+    )
     x = batch.normal(batch.f)
     actor_loss = -q(torch.cat([x, torch.tanh(pi(x))], 1)).mean()
     before = [part.copy() for part in (actor.theta, actor.target, critic.theta, critic.target)]
@@ -106,7 +108,7 @@ def assert_update_is_the_equations(
     rates = Rates(np.float32(GAMMA), np.float32(TAU), ACTOR_RATE, CRITIC_RATE, np.float32(DECAY))
     done, lost = update(
         actor, critic, 0, where.memory, rows[None], where.coordinates, where.scaling, rates,
-        matching_of(weights, by_cosine=distance is angular), shapes, empty_report(1),
+        matching_of(weights, LOSSES[distance]), shapes, empty_report(1),
     )  # fmt: skip
 
     assert (done, lost) == (1, -1)
@@ -114,3 +116,34 @@ def assert_update_is_the_equations(
     assert_stepped(critic, before[2], critic_loss, q, CRITIC_RATE)
     assert_followed(actor, before[1])
     assert_followed(critic, before[3])
+
+
+@pytest.mark.parametrize("placebo", ["shuffled", "untargeted"])
+def test_a_placebo_matches_what_says_nothing(placebo: str) -> None:
+    where = setting("Pendulum")
+    shapes = shapes_in(where, (16, 16), Tanh())
+    actor, critic = (
+        learned(not_small(shape, where.random))._replace(target=not_small(shape, where.random))
+        for shape in shapes
+    )
+    rows = generator(5, "rows").integers(STORED, size=ROWS)
+    batch = PlainBatch(where, rows)
+    if placebo == "shuffled":
+        batch.jacobian, batch.r_gradient = (
+            part.roll(-1, 0) for part in (batch.jacobian, batch.r_gradient)
+        )
+    pi_target, q_target = Plain(actor.target, shapes[0]), Plain(critic.target, shapes[1])
+    q = Plain(critic.theta, shapes[1])
+    value, gradient = batch.targets(
+        lambda x: q_target(torch.cat([x, torch.tanh(pi_target(x))], 1))[:, 0]
+    )
+    aim = torch.zeros_like(gradient) if placebo == "untargeted" else gradient
+    loss = batch.critic_loss(q, (value, aim), (0.7, 0.3), squared)
+    before = critic.theta.copy()
+    rates = Rates(np.float32(GAMMA), np.float32(TAU), ACTOR_RATE, CRITIC_RATE, np.float32(0))
+    told = update(
+        actor, critic, 0, where.memory, rows[None], where.coordinates, where.scaling, rates,
+        matching_of((0.7, 0.3), L2, placebo), shapes, empty_report(1),
+    )  # fmt: skip
+    assert told == (1, -1)
+    assert_stepped(critic, before, loss, q, CRITIC_RATE)

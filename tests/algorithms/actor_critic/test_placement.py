@@ -12,10 +12,11 @@ import pytest
 from numpy.typing import NDArray
 
 from algorithms.actor_critic import ddpg_update, sac_update
+from algorithms.actor_critic.deterministic import empty_report
 from algorithms.actor_critic.sac_update import Networks, Shapes
-from algorithms.matching.losses import Matching, matching_of
-from algorithms.networks.network import Shape
+from algorithms.matching.losses import COSINE, L2, ROBUST, Matching, matching_of
 from algorithms.networks.optimizer import learned
+from algorithms.networks.shape import Shape
 from physics.randomness import generator
 from tests.algorithms.plain import GAMMA, STORED, TAU, Setting, not_small, setting
 
@@ -56,7 +57,7 @@ def ddpg(where: Setting, matching: Matching, place: Place) -> list[NDArray[Any]]
     random = generator(5, "placement")
     actor, critic = (placed(learned(not_small(shape, random)), place) for shape in shapes)
     rates = ddpg_update.Rates(np.float32(GAMMA), np.float32(TAU), 1e-3, 1e-3, np.float32(1e-2))
-    report = placed(ddpg_update.empty_report(UPDATES), place)
+    report = placed(empty_report(UPDATES), place)
     ddpg_update.update(
         actor, critic, 0, placed(where.memory, place), rows(), placed(where.coordinates, place),
         placed(where.scaling, place), rates, matching, shapes, report,
@@ -73,8 +74,12 @@ def sac(where: Setting, matching: Matching, place: Place) -> list[NDArray[Any]]:
     policy, value, first, second = (
         learned(not_small(shape, random)) for shape in (*shapes, shapes.critic)
     )
-    networks = placed(Networks(policy, value, (first, second)), place)
-    rates = sac_update.Rates(np.float32(GAMMA), np.float32(TAU), np.float32(5), 1e-3)
+    networks = placed(
+        Networks(policy, value, (first, second), learned(np.zeros(1, np.float32))), place
+    )
+    rates = sac_update.Rates(
+        np.float32(GAMMA), np.float32(TAU), np.float32(5), 1e-3, True, np.float32(-m)
+    )
     report = placed(sac_update.empty_report(UPDATES), place)
     noise = random.standard_normal((UPDATES, ROWS, m), np.float32)
     sac_update.update(
@@ -82,7 +87,7 @@ def sac(where: Setting, matching: Matching, place: Place) -> list[NDArray[Any]]:
         placed(where.coordinates, place), placed(where.scaling, place), rates, matching, shapes,
         report,
     )  # fmt: skip
-    pieces = (networks.policy, networks.value, *networks.critics, report)
+    pieces = (networks.policy, networks.value, *networks.critics, networks.temperature, report)
     return [array.copy() for each in pieces for array in each]
 
 
@@ -91,14 +96,14 @@ def rows() -> NDArray[np.int64]:
 
 
 @pytest.mark.parametrize("weights", [(0.0, 0.0), (0.7, 0.3)])
-@pytest.mark.parametrize("by_cosine", [False, True])
+@pytest.mark.parametrize("loss", [L2, COSINE, ROBUST])
 @pytest.mark.parametrize("run", [ddpg, sac])
 def test_bits_do_not_depend_on_where_arrays_lie(
     run: Callable[[Setting, Matching, Place], list[NDArray[Any]]],
-    by_cosine: bool,
+    loss: int,
     weights: tuple[float, float],
 ) -> None:
-    where, matching = setting("Acrobot"), matching_of(weights, by_cosine=by_cosine)
+    where, matching = setting("Acrobot"), matching_of(weights, loss)
     apart = run(where, matching, np.copy)
     for seed in range(40):
         for own, other in zip(run(where, matching, scattered(seed)), apart, strict=True):

@@ -6,10 +6,9 @@ import torch
 from torch.distributions import Normal, TanhTransform
 
 from algorithms.actor_critic.sac_update import Networks, Rates, Shapes, empty_report, update
-from algorithms.matching.losses import matching_of
-from algorithms.networks import network
-from algorithms.networks.network import Shape
+from algorithms.matching.losses import L2, matching_of
 from algorithms.networks.optimizer import learned, learned_alone
+from algorithms.networks.shape import Shape, noisy_size
 from physics.randomness import generator
 from tests.algorithms.plain import (
     GAMMA,
@@ -28,7 +27,10 @@ from tests.algorithms.plain import (
 
 RATE, SCALE = 3e-4, 2.5
 
-RATES = Rates(np.float32(GAMMA), np.float32(TAU), np.float32(SCALE), RATE)
+LOG_ALPHA, ENTROPY = -0.4, -1.0
+RATES = Rates(
+    np.float32(GAMMA), np.float32(TAU), np.float32(SCALE), RATE, False, np.float32(ENTROPY)
+)
 
 
 def shapes_in(where: Setting) -> Shapes:
@@ -42,7 +44,7 @@ def networks_in(where: Setting, shapes: Shapes) -> Networks:
     """Random networks; the policy's sigmas lie below, within and above their bounds."""
     random, outputs = where.random, shapes.policy.outputs
     policy = not_small(shapes.policy, random)
-    end = network.noisy_size(shapes.policy)
+    end = noisy_size(shapes.policy)
     policy[end - outputs // 2 : end] = np.resize([-0.5, -21.0, 2.5], outputs // 2)
     first, second = (learned_alone(not_small(shapes.critic, random)) for _ in range(2))
     value = learned(not_small(shapes.value, random))
@@ -50,12 +52,16 @@ def networks_in(where: Setting, shapes: Shapes) -> Networks:
         learned_alone(policy),
         value._replace(target=not_small(shapes.value, random)),
         (first, second),
+        learned_alone(np.full(1, LOG_ALPHA, np.float32)),
     )
 
 
 @pytest.mark.parametrize("name", ["Pendulum", "RollingDie", "HalfCheetah"])
 @pytest.mark.parametrize("weights", [(0.0, 0.0), (0.7, 0.0), (0.7, 0.3)])
-def test_update_is_the_equations(name: str, weights: tuple[float, float]) -> None:
+@pytest.mark.parametrize("learns_temperature", [False, True])
+def test_update_is_the_equations(
+    name: str, weights: tuple[float, float], learns_temperature: bool
+) -> None:
     where = setting(name)
     shapes, m = shapes_in(where), where.task.action_size
     networks = networks_in(where, shapes)
@@ -76,8 +82,11 @@ def test_update_is_the_equations(name: str, weights: tuple[float, float]) -> Non
     squash = TanhTransform().log_abs_det_jacobian(u, torch.tanh(u))  # type: ignore[no-untyped-call]
     log_pi = (gaussian.log_prob(u) - squash).sum(1)  # type: ignore[no-untyped-call]
     q1_new, q2_new = (q(torch.cat([x, torch.tanh(u)], 1))[:, 0] for q in (q1, q2))
-    policy_loss = (log_pi - (batch.value_mean + batch.value_std * q1_new)).mean()
-    aim = (torch.minimum(q1_new, q2_new) - log_pi / batch.value_std).detach()
+    rates = RATES._replace(learns_temperature=learns_temperature)
+    alpha = np.exp(LOG_ALPHA) * batch.value_std if learns_temperature else 1.0
+    policy_loss = (alpha * log_pi - (batch.value_mean + batch.value_std * q1_new)).mean()
+    policy_loss = policy_loss / (batch.value_std if learns_temperature else 1)
+    aim = (torch.minimum(q1_new, q2_new) - alpha * log_pi / batch.value_std).detach()
     value_loss = ((v(x)[:, 0] - aim) ** 2).mean()
     targets = batch.targets(lambda x: v_target(x)[:, 0], SCALE)
     critic_losses = [batch.critic_loss(q, targets, weights, squared) for q in (q1, q2)]
@@ -88,7 +97,7 @@ def test_update_is_the_equations(name: str, weights: tuple[float, float]) -> Non
     report = empty_report(1)
     done, lost = update(
         networks, 0, where.memory, rows[None], noise, where.coordinates, where.scaling,
-        RATES, matching_of(weights, by_cosine=False), shapes, report,
+        rates, matching_of(weights, L2), shapes, report,
     )  # fmt: skip
 
     assert (done, lost) == (1, -1)
@@ -98,5 +107,9 @@ def test_update_is_the_equations(name: str, weights: tuple[float, float]) -> Non
     assert_followed(networks.value, followed)
     assert report.entropy[0] == pytest.approx(-log_pi.mean().item(), rel=1e-4)
     assert report.value_loss[0] == pytest.approx(value_loss.item(), rel=1e-4)
+    assert report.temperature[0] == pytest.approx(alpha, rel=1e-6)
+    pull = log_pi.mean().item() + ENTROPY if learns_temperature else 0.0
+    assert networks.temperature.m[0] == pytest.approx(-0.1 * pull, rel=1e-4)
+    assert np.sign(networks.temperature.theta[0] - np.float32(LOG_ALPHA)) == np.sign(pull)
     both = report.critic_loss[0] + report.gradient_loss[0]
     assert both == pytest.approx(sum(loss.item() for loss in critic_losses) / 2, rel=1e-4)

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 import physics
 from algorithms.ascent.episode_gradient import live, return_gradient
-from algorithms.networks import network
-from algorithms.networks.network import Shape
+from algorithms.networks.parameters import initial_theta
 from algorithms.networks.policy import Policies, Policy, deterministic
 from algorithms.networks.scaling import CLIP, Statistics, coordinates_of
+from algorithms.networks.shape import Shape
 from physics.environment import Environment, FloatArray
 from physics.randomness import generator
 from tests.algorithms.plain import Plain
@@ -26,7 +26,7 @@ def setting(task: Environment, seed: int) -> tuple[Policy, Shape, FloatArray]:
     """An actor that does something, with features on a scale of their own, and start states."""
     random = generator(seed, "gradient test")
     shape = Shape(task.feature_size, (UNITS,) * 2, task.action_size)
-    theta = network.initial(shape, random)
+    theta = initial_theta(shape, random)
     theta += np.float32(0.1) * random.standard_normal(theta.size, np.float32)
     statistics = Statistics(coordinates_of(task), task.action_size)
     states, _ = task.sample(random, 50)

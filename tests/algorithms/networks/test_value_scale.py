@@ -6,9 +6,10 @@ from numpy.typing import NDArray
 
 from algorithms.early_end import NotFiniteQuantityError
 from algorithms.networks import network
-from algorithms.networks.network import Parameters, Shape
 from algorithms.networks.optimizer import Learned, adam, corrected, learned
+from algorithms.networks.parameters import Parameters
 from algorithms.networks.scaling import Statistics
+from algorithms.networks.shape import Shape, decayed_size
 from algorithms.networks.value_scale import (
     UnitChange,
     move_value_scale,
@@ -113,7 +114,7 @@ def test_without_the_moments_the_next_steps_are_a_thousand_times_too_small() -> 
         fitted.m[:] = 0
         before = fitted.theta.copy()
         fit(fitted, SHAPE, x, (y / 500.0).astype(np.float32), 1e-3)
-        gone.append(np.abs(fitted.theta - before)[: network.decayed_size(SHAPE)].mean())
+        gone.append(np.abs(fitted.theta - before)[: decayed_size(SHAPE)].mean())
     assert gone[1] > 1e4 * gone[0]
 
 

@@ -12,6 +12,9 @@ const ALGORITHM_COLOURS = new Map([
   ["ddpg", "#0072b2"], // blue
   ["hybrid-ddpg", "#d55e00"], // vermilion
   ["hybrid-ddpg-cosine", "#cc79a7"], // purple
+  ["hybrid-ddpg-robust", "#a0623a"], // brown
+  ["td3", "#7a5fd0"], // violet
+  ["hybrid-td3", "#8a8a00"], // olive
   ["sac", "#56b4e9"], // sky blue
   ["hybrid-sac", "#e69f00"], // orange
   ["gd", "#009e73"], // green
