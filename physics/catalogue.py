@@ -26,6 +26,7 @@ OWN = {
     "HalfCheetah": "physics.tasks.half_cheetah:HalfCheetah",
     "Hopper": "physics.tasks.hopper:Hopper",
     "Walker2d": "physics.tasks.walker2d:Walker2d",
+    "BallWall": "physics.tasks.ball_wall:BallWall",
 }
 
 

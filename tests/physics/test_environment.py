@@ -24,6 +24,7 @@ STEP_SECONDS = {
     "HalfCheetah": 0.05,
     "Hopper": 0.008,
     "Walker2d": 0.008,
+    "BallWall": 0.04,
 }
 
 pytestmark = pytest.mark.parametrize("environment", physics.names(), indirect=True)
