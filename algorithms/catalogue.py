@@ -93,6 +93,7 @@ DDPG = Algorithm(
     core_seconds={
         "MassPoint": 0.11, "CartPole": 0.09, "CartPoleSwingUp": 0.1, "Pendulum": 0.08,
         "MountainCar": 0.1, "Acrobot": 0.1, "RollingDie": 0.08, "HalfCheetah": 0.11,
+        "Hopper": 0.12, "Walker2d": 0.15, "BallWall": 0.09,
     },
 )  # fmt: skip
 TD3 = Algorithm(
@@ -115,6 +116,7 @@ SAC = Algorithm(
     core_seconds={
         "MassPoint": 0.22, "CartPole": 0.22, "CartPoleSwingUp": 0.22, "Pendulum": 0.21,
         "MountainCar": 0.21, "Acrobot": 0.22, "RollingDie": 0.22, "HalfCheetah": 0.25,
+        "Hopper": 0.23, "Walker2d": 0.26, "BallWall": 0.22,
     },
 )  # fmt: skip
 
@@ -127,6 +129,7 @@ _ALL = (
         core_seconds={
             "MassPoint": 0.12, "CartPole": 0.15, "CartPoleSwingUp": 0.14, "Pendulum": 0.13,
             "MountainCar": 0.13, "Acrobot": 0.21, "RollingDie": 0.18, "HalfCheetah": 0.18,
+            "Hopper": 0.19, "Walker2d": 0.23, "BallWall": 0.14,
         },
     ),
     hybrid(
@@ -137,6 +140,7 @@ _ALL = (
         core_seconds={
             "MassPoint": 0.14, "CartPole": 0.16, "CartPoleSwingUp": 0.13, "Pendulum": 0.14,
             "MountainCar": 0.13, "Acrobot": 0.14, "RollingDie": 0.13, "HalfCheetah": 0.18,
+            "Hopper": 0.19, "Walker2d": 0.23, "BallWall": 0.14,
         },
     ),
     hybrid(
@@ -167,6 +171,7 @@ _ALL = (
         core_seconds={
             "MassPoint": 0.3, "CartPole": 0.31, "CartPoleSwingUp": 0.31, "Pendulum": 0.31,
             "MountainCar": 0.31, "Acrobot": 0.33, "RollingDie": 0.32, "HalfCheetah": 0.38,
+            "Hopper": 0.34, "Walker2d": 0.4, "BallWall": 0.3,
         },
     ),
     Algorithm(
@@ -179,6 +184,7 @@ _ALL = (
         core_seconds={
             "MassPoint": 0.034, "CartPole": 0.035, "CartPoleSwingUp": 0.039, "Pendulum": 0.035,
             "MountainCar": 0.036, "RollingDie": 0.04, "HalfCheetah": 0.057,
+            "Hopper": 0.05, "Walker2d": 0.05, "BallWall": 0.037,
         },
     ),
     Algorithm(
@@ -213,6 +219,7 @@ _ALL = (
         core_seconds={
             "MassPoint": 0.0015, "CartPole": 0.0034, "CartPoleSwingUp": 0.0019, "Pendulum": 0.0058,
             "MountainCar": 0.0026, "RollingDie": 0.0023, "HalfCheetah": 0.01,
+            "Hopper": 0.006, "Walker2d": 0.015, "BallWall": 0.0042,
         },
     ),
 )  # fmt: skip

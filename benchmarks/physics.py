@@ -6,7 +6,7 @@ to rest costs next to nothing). Gymnasium's are rollouts over as many environmen
 resets; gymnax's are whole rollouts in one jitted scan. All take turns in short rounds on one core,
 and the best round of each counts: other programs can only slow one down.
 
-HalfCheetah has a benchmark of its own, beside MuJoCo: benchmarks/half_cheetah.py.
+The robots have a benchmark of their own, beside MuJoCo: benchmarks/robots.py.
 """
 
 import argparse

@@ -24,6 +24,9 @@ OWN = {
     "Acrobot": "physics.tasks.acrobot:Acrobot",
     "RollingDie": "physics.tasks.rolling_die:RollingDie",
     "HalfCheetah": "physics.tasks.half_cheetah:HalfCheetah",
+    "Hopper": "physics.tasks.hopper:Hopper",
+    "Walker2d": "physics.tasks.walker2d:Walker2d",
+    "BallWall": "physics.tasks.ball_wall:BallWall",
 }
 
 

@@ -120,6 +120,9 @@ class Environment(metaclass=CheckedWhenMade):
     """Coordinates that no network sees."""
     bounds: ClassVar[Mapping[int, tuple[float, float]]] = MappingProxyType({})
     """Coordinate -> its least and greatest value: no step starts or ends beyond them."""
+    rounding: ClassVar[float] = 1e-15
+    """How far rounding moves the numbers of a step: no difference says more than this over its
+    width. The default is for numbers of order 1 to 10 that nothing amplifies."""
     regimes: ClassVar[tuple[str, ...]] = ("free", "clipped")
     """The kinds of step that the gradient audit reports separately."""
 

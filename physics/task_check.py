@@ -76,6 +76,11 @@ RULES = (
     Rule("horizon", "an integer from 1 on", is_whole),
     Rule("max_reward", "a finite number", is_number),
     Rule("step_seconds", "a number above 0", lambda value: is_number(value) and value > 0),
+    Rule(
+        "rounding",
+        "a number above 0, at most 4e-13",
+        lambda value: is_number(value) and 0 < value <= 4e-13,
+    ),
     Rule("reward_is_differentiable", "True or False", lambda value: isinstance(value, bool)),
     Rule("angles", "a mapping of coordinates", lambda value: isinstance(value, Mapping)),
     Rule("hidden", "a tuple of coordinates", lambda value: isinstance(value, tuple)),

@@ -6,8 +6,9 @@ Fourth-order central differences at a ladder of widths h, each a quarter of the 
 
 A width counts only where all of x, x +- h, x +- 2h lie in the task's domain and on one smooth
 piece of the map (see `Environment.pieces`): a difference across a kink is no derivative of
-anything. Of the widths that count, the one that agrees best with the width before it is taken,
-entry by entry (Ridders 1982 chooses so). Where no two neighbouring widths count, or none agree to
+anything. It has to be wide enough for the task's own rounding (`Environment.rounding`), too. Of the
+widths that count, the one that agrees best with the width before it is taken, entry by entry
+(Ridders 1982 chooses so). Where no two neighbouring widths count, or none agree to
 DOUBT of what they measure, the state lies at a kink: a width narrow enough to fit there tells the
 derivative no more. A quarter of the width makes the fourth order 256 times better: errors stay far
 below DOUBT.
@@ -32,7 +33,8 @@ WIDTHS = tuple(2e-3 / 4**k for k in range(8))
 _STENCIL = np.array([1.0, -1.0, 2.0, -2.0])
 _WEIGHTS = np.array([8.0, -8.0, -1.0, 1.0]) / 12.0
 
-ROUNDING = 1e-15  # of a step's numbers, which are of order 1 to 10
+# A width at which rounding alone may move a difference by more than this does not count.
+NOISE = 2e-7
 
 # Below this size a derivative is compared absolutely: rounding has no relative meaning there.
 SMALLEST_SCALE = 1e-3
@@ -70,13 +72,14 @@ def differences(environment: Environment, states: FloatArray, actions: FloatArra
     y = np.concatenate([centre.next_state, centre.reward[:, None]], axis=1)
     slopes: list[FloatArray] = []
     bends: list[FloatArray] = []
-    for width in WIDTHS:
+    rounding = environment.rounding
+    for width in (each for each in WIDTHS if rounding / each <= NOISE):
         slope, bend = _at_width(environment, states, actions, y, width)
         before = slopes[-1] if slopes else np.nan
         slopes.append(slope)
         bends.append(np.abs(bend))
         # Two narrow widths may agree by chance: rounding alone speaks against them.
-        doubt = np.abs(slope - before) + ROUNDING / width
+        doubt = np.abs(slope - before) + rounding / width
         better = doubt < least_doubt  # never where either is NaN
         best[better], least_doubt[better] = slope[better], doubt[better]
     scale = _scales(best, n)

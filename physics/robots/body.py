@@ -2,15 +2,15 @@
 
 Kernels work on one body at a time, in absolute link angles; tasks hold states in rows, in relative
 angles. The map between the two is constant: an absolute angle is the sum of the relative ones from
-the root to the link.
+the root to the link, each about +y.
 """
 
 from typing import Annotated, Protocol
 
 from physics.kernels.compiled import compiled
 from physics.record import Floats, Integers
-from physics.robots.description import Mechanism
 from physics.robots.lcp.complementarity import Complementarity
+from physics.robots.mechanism import Mechanism
 from physics.robots.pose import ROOT, Pose
 
 
@@ -51,8 +51,8 @@ def load_state(mechanism: Mechanism, states: Floats, row: int, body: Body) -> No
     """Start from a row of states [batch, 2n]."""
     n = mechanism.parent.shape[0]
     for j in range(n):
-        body.q[j] = states[row, j]
-        body.v[j] = states[row, n + j]
+        body.q[j] = mechanism.axis[j] * states[row, j]
+        body.v[j] = mechanism.axis[j] * states[row, n + j]
         if j > ROOT:
             body.q[j] += body.q[mechanism.parent[j]]
             body.v[j] += body.v[mechanism.parent[j]]
@@ -78,3 +78,5 @@ def unload(mechanism: Mechanism, body: Body, states: Floats, row: int) -> None:
         if j > ROOT:
             states[row, j] -= body.q[mechanism.parent[j]]
             states[row, n + j] -= body.v[mechanism.parent[j]]
+        states[row, j] *= mechanism.axis[j]
+        states[row, n + j] *= mechanism.axis[j]

@@ -14,7 +14,7 @@ lowest point adds -radius on the own link, an offset that does not turn with it.
 
 from physics.kernels.compiled import compiled
 from physics.record import Floats
-from physics.robots.description import Mechanism
+from physics.robots.mechanism import Mechanism
 from physics.robots.pose import ROOT, Pose
 
 

@@ -41,3 +41,5 @@ def _in_link(link: Link) -> Iterator[str]:
         yield f"{link.name!r} must have a joint if and only if it has a parent"
     if link.joint is not None and not link.joint.lower < link.joint.upper:
         yield f"the stops of {link.name!r} must be lower < upper"
+    if link.joint is not None and abs(link.joint.axis) != 1.0:
+        yield f"the axis of {link.name!r} must be 1 or -1, not {link.joint.axis}"

@@ -11,7 +11,7 @@ HALF_WIDTH = 1.5
 
 
 def draw_robot(robot: Robot, x: float, centres: Floats) -> Drawing:
-    """Draw a robot around `x`, given the centres [c, 2] of its spheres.
+    """Draw a robot around `x`, given the centres [any, 2] of the ends of its capsules.
 
     The ground has a mark every metre, so that a view that follows the robot shows how it moves.
     """

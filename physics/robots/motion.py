@@ -9,7 +9,7 @@ import numpy.typing as npt
 from physics.kernels.compiled import compiled
 from physics.record import Floats, Records
 from physics.robots.body import Body, load_action, load_state, unload
-from physics.robots.description import Mechanism
+from physics.robots.mechanism import Mechanism
 from physics.robots.residual import BOUND, residual
 from physics.robots.substep import advance, solve_substep
 from physics.robots.substep_derivative import (

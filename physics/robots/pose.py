@@ -18,7 +18,7 @@ from typing import Annotated, Protocol
 
 from physics.kernels.compiled import compiled
 from physics.record import Floats
-from physics.robots.description import Mechanism
+from physics.robots.mechanism import Mechanism
 
 ROOT = 2
 """Index of the root link's angle; x and z come before it."""

@@ -9,8 +9,8 @@ from physics.kernels.compiled import compiled
 from physics.record import Floats, Integers, Records
 from physics.robots.body import Body, load_action, load_state
 from physics.robots.constraints import measure
-from physics.robots.description import Mechanism
 from physics.robots.lcp.contact_mode import OPEN
+from physics.robots.mechanism import Mechanism
 from physics.robots.pose import place
 from physics.robots.residual import BOUND, residual
 from physics.robots.substep import advance, solve_substep
@@ -101,16 +101,24 @@ def report_rows(
 
 
 @compiled
-def sphere_centres(mechanisms: Records, bodies: Records, states: Floats, centres: Floats) -> None:
-    """Fill centres [batch, c, 2] (x, z) of all spheres for states [batch, 2n]."""
+def world_points(
+    mechanisms: Records,
+    bodies: Records,
+    states: Floats,
+    links: Integers,
+    points: Floats,
+    places: Floats,
+) -> None:
+    """Fill places [batch, p, 2] (x, z) of points [p, 2] of links [p] for states [batch, 2n]."""
     mechanism, body = mechanisms[0], bodies[0]
     for row in range(states.shape[0]):
         load_state(mechanism, states, row, body)
         place(mechanism, body.q, body.pose)
-        for k in range(centres.shape[1]):
-            link = mechanism.sphere_link[k]
-            centres[row, k, 0] = body.pose.origin[link, 0] + body.pose.spoke[k, 0]
-            centres[row, k, 1] = body.pose.origin[link, 1] + body.pose.spoke[k, 1]
+        for k in range(links.shape[0]):
+            c, s = body.pose.turn[links[k], 0], body.pose.turn[links[k], 1]
+            x, z = points[k, 0], points[k, 1]
+            places[row, k, 0] = body.pose.origin[links[k], 0] + (c * x + s * z)
+            places[row, k, 1] = body.pose.origin[links[k], 1] + (c * z - s * x)
 
 
 @compiled

@@ -13,7 +13,7 @@ from math import inf, isfinite
 from physics.kernels.compiled import compiled
 from physics.robots.body import Body
 from physics.robots.constraints import approach
-from physics.robots.description import Mechanism
+from physics.robots.mechanism import Mechanism
 from physics.robots.pose import ROOT
 
 BOUND = 1e-8

@@ -8,7 +8,7 @@ itself never needs these: they are for comparing it with others.
 from physics.kernels.compiled import compiled
 from physics.record import Floats, Records
 from physics.robots.body import Body, load_action, load_state
-from physics.robots.description import Mechanism
+from physics.robots.mechanism import Mechanism
 from physics.robots.pose import ROOT, bias, place
 
 
@@ -60,7 +60,7 @@ def mass_matrices(mechanisms: Records, bodies: Records, states: Floats, matrices
             _momentum(body, body.v, body.force)
             _sum_beyond(mechanism, body.force)
             for j in range(n):
-                matrices[row, j, i] = body.force[j]
+                matrices[row, j, i] = mechanism.axis[j] * mechanism.axis[i] * body.force[j]
             matrices[row, i, i] += mechanism.armature[i]
 
 
@@ -80,4 +80,5 @@ def smooth_forces(
         for j in range(n):
             spring = mechanism.stiffness[j] * states[row, j]
             damper = mechanism.damping[j] * states[row, n + j]
-            forces[row, j] = body.torque[j] - spring - damper - body.force[j]
+            axis = mechanism.axis[j]
+            forces[row, j] = axis * body.torque[j] - spring - damper - axis * body.force[j]

@@ -18,9 +18,9 @@ complementarity problem; all are looked at again after each solve.
 from physics.kernels.compiled import compiled
 from physics.robots.body import Body
 from physics.robots.constraints import approach, fill_rows, measure
-from physics.robots.description import Mechanism
 from physics.robots.lcp.complementarity import TOLERANCE, solve
 from physics.robots.lcp.contact_mode import STICK
+from physics.robots.mechanism import Mechanism
 from physics.robots.pose import ROOT, bias, place
 from physics.robots.tree_factor import factor, to_leaves, to_root
 
@@ -84,7 +84,9 @@ def _add_candidate(mechanism: Mechanism, body: Body, k: int) -> None:
     problem, n = body.problem, mechanism.parent.shape[0]
     first = 2 * problem.count
     body.candidate[problem.count] = k
-    problem.friction[problem.count] = mechanism.friction if k < mechanism.radius.shape[0] else 0.0
+    problem.friction[problem.count] = (
+        mechanism.friction[k] if k < mechanism.radius.shape[0] else 0.0
+    )
     problem.mode[problem.count] = STICK
     problem.count += 1
     fill_rows(mechanism, body.pose, k, body.J, first)

@@ -25,8 +25,8 @@ from typing import Annotated, Protocol
 from physics.kernels.compiled import compiled
 from physics.record import Floats
 from physics.robots.body import Body
-from physics.robots.description import Mechanism
 from physics.robots.lcp.complementarity import solve_active
+from physics.robots.mechanism import Mechanism
 from physics.robots.pose import ROOT
 
 
@@ -59,12 +59,12 @@ def load_tangent(mechanism: Mechanism, actions: Floats, row: int, tangent: Tange
         for input_ in range(tangent.q.shape[1]):
             tangent.q[j, input_] = 0.0
             tangent.v[j, input_] = 0.0
-        tangent.q[j, j] = 1.0
-        tangent.v[j, n + j] = 1.0
+        tangent.q[j, j] = mechanism.axis[j]
+        tangent.v[j, n + j] = mechanism.axis[j]
         i = mechanism.parent[j]
         while i >= ROOT:
-            tangent.q[j, i] = 1.0
-            tangent.v[j, n + i] = 1.0
+            tangent.q[j, i] = mechanism.axis[i]
+            tangent.v[j, n + i] = mechanism.axis[i]
             i = mechanism.parent[i]
     for m in range(mechanism.motor.shape[0]):
         j = mechanism.motor[m]
@@ -86,8 +86,8 @@ def unload_tangent(
         for i in range(2 * n + m):
             dq, dv = tangent.q[j, i], tangent.v[j, i]
             if j > ROOT:
-                dq -= tangent.q[p, i]
-                dv -= tangent.v[p, i]
+                dq = mechanism.axis[j] * (dq - tangent.q[p, i])
+                dv = mechanism.axis[j] * (dv - tangent.v[p, i])
             if i < 2 * n:
                 state_jacobians[row, j, i] = dq
                 state_jacobians[row, n + j, i] = dv

@@ -20,16 +20,18 @@ from physics.environment import (
     BoolArray,
     Environment,
     FloatArray,
+    IntArray,
     Pieces,
     clip_sides,
 )
 from physics.record import Records, dtype
 from physics.robots import description_check
 from physics.robots.body import Body
-from physics.robots.description import Robot, build, sizes
+from physics.robots.description import Robot
 from physics.robots.drawing import draw_robot
 from physics.robots.end import FOREVER, End
 from physics.robots.lcp.contact_mode import OPEN
+from physics.robots.mechanism import build, sizes
 from physics.robots.motion import Modes, move_rows
 from physics.robots.pose import ROOT
 from physics.robots.regime import REGIMES, regime_of
@@ -38,10 +40,12 @@ from physics.robots.report import (
     empty_report,
     find_sunk,
     report_rows,
-    sphere_centres,
+    world_points,
 )
 from physics.robots.reward import Reward
+from physics.robots.sampling import rollouts
 from physics.robots.smooth_dynamics import mass_matrices, smooth_forces
+from physics.robots.spheres import end_spheres
 from physics.robots.substep_derivative import Tangent
 from physics.row_checks import float64_rows
 
@@ -90,6 +94,8 @@ class RobotTask(Environment):
     _spheres: ClassVar[int]
     _motion: ClassVar[tuple[Records, Records, Records, float, int]]
     """The first arguments of `move_rows`, up to the states."""
+    _stops: ClassVar[tuple[FloatArray, FloatArray]]
+    """Lower and upper ones, of the joints in their order."""
     _no_jacobians: ClassVar[tuple[FloatArray, FloatArray]]
     _no_modes: ClassVar[Modes]
     """With room for whole eights of constraints, which `pieces` packs into integers."""
@@ -118,6 +124,8 @@ class RobotTask(Environment):
             cls.substep_seconds,
             cls.substeps,
         )
+        joints = [link.joint for link in cls.robot.links if link.joint is not None]
+        cls._stops = np.array([j.lower for j in joints]), np.array([j.upper for j in joints])
         cls._no_jacobians = np.empty((0, 2 * n, 2 * n)), np.empty((0, 2 * n, m))
         cls._no_modes = np.empty((0, cls.substeps, 8 * math.ceil(size["k"] / 8)), np.int8)
 
@@ -168,6 +176,12 @@ class RobotTask(Environment):
         heights = self.sphere_centres(state[None])[0, :, 1] - self.mechanism["radius"][0]
         lowest = np.min(heights)
         state[1] += max(0.0, -lowest)
+        return state
+
+    def stopped(self, state: FloatArray) -> FloatArray:
+        """A state [2n], its joints turned back to the stops that they lie beyond."""
+        joints = slice(ROOT + 1, self._coordinates)
+        state[joints] = np.clip(state[joints], *self._stops)
         return state
 
     def outside(self, states: FloatArray) -> BoolArray:
@@ -263,35 +277,41 @@ class RobotTask(Environment):
         )
 
     def sample(self, generator: np.random.Generator, count: int) -> tuple[FloatArray, FloatArray]:
-        """A quarter each: under way at random, under way bang-bang, coming to rest, in flight.
+        """On the way of rollouts of several kinds."""
+        return rollouts(self, generator, count)
 
-        Each state is the end of a rollout of its own, of up to 100 steps.
+    def set_down(self, generator: np.random.Generator, states: FloatArray) -> FloatArray:
+        """States [batch, 2n], each robot bent a little, put on the ground and nearly stopped.
+
+        For samples of robots that fall: lying, with more contacts than it takes to hold them, they
+        are at kinks.
         """
-        kind = np.arange(count) % 4
-        states = self.initial_states(generator.integers(2**60, size=count))
-        states[kind == 3, 1] += generator.uniform(0.3, 1.5, np.count_nonzero(kind == 3))
-        longest = np.choose(kind, [100, 100, 100, 4])
-        length = generator.integers(0, longest + 1)
-        for step in range(100):
-            going = np.flatnonzero(step < length)
-            actions = generator.uniform(-1.0, 1.0, (count, self.action_size))
-            actions[kind == 1] = np.sign(actions[kind == 1])
-            actions[kind == 2] = 0.0
-            states[going] = self.step(states[going], actions[going]).next_state
-        actions = generator.uniform(-1.2, 1.2, (count, self.action_size))
-        actions[kind == 2] *= generator.choice([0.05, 0.3], (np.count_nonzero(kind == 2), 1))
-        return states, actions
+        n = self._coordinates
+        states = np.concatenate([states[:, :n], np.zeros((len(states), n))], axis=1)
+        lower, upper = np.clip(self._stops, -0.3, 0.3)
+        states[:, ROOT + 1 : n] = generator.uniform(lower, upper, (len(states), len(lower)))
+        heights = self.sphere_centres(states)[..., 1] - self.mechanism["radius"][0]
+        states[:, 1] -= heights.min(axis=1)
+        states[:, n:] += generator.uniform(-0.05, 0.05, (len(states), n))
+        return states
 
     def draw(self, state: FloatArray) -> Drawing:
         """The capsules over the ground, which has a mark every metre; the view follows."""
+        ends = end_spheres(self.robot)
+        links = np.array([sphere.link for sphere in ends])
+        points = np.array([sphere.centre for sphere in ends])
         states = np.array(state, np.float64).reshape(1, self.state_size)
-        return draw_robot(self.robot, float(state[0]), self.sphere_centres(states)[0])
+        return draw_robot(self.robot, float(state[0]), self._world(states, links, points)[0])
 
     def sphere_centres(self, states: FloatArray) -> FloatArray:
-        """Centres [batch, spheres, 2] of all spheres."""
-        centres = np.empty((len(states), self._spheres, 2))
-        sphere_centres(self.mechanism, self._body(), states, centres)
-        return centres
+        """Centres [batch, c, 2] of the spheres that can touch the ground."""
+        return self._world(states, self.mechanism["sphere_link"][0], self.mechanism["sphere"][0])
+
+    def _world(self, states: FloatArray, links: IntArray, points: FloatArray) -> FloatArray:
+        """Places [batch, p, 2] of points [p, 2] of links [p]."""
+        places = np.empty((len(states), len(links), 2))
+        world_points(self.mechanism, self._body(), states, links, points, places)
+        return places
 
     def _body(self) -> Records:
         """Scratch for a kernel, [1]."""

@@ -15,7 +15,8 @@ import numpy as np
 from physics.environment import FloatArray
 from physics.record import dtype
 from physics.robots.body import Body, load_action, load_state, unload
-from physics.robots.description import Capsule, Joint, Link, Robot, build, sizes
+from physics.robots.description import Capsule, Joint, Link, Robot
+from physics.robots.mechanism import build, sizes
 from physics.robots.residual import residual
 from physics.robots.reward import Running
 from physics.robots.substep import advance, solve_substep

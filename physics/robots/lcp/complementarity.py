@@ -15,7 +15,10 @@ contradicts its mode changes it: one that penetrates sticks; a sticking one that
 the cone slides; a sliding one that pulls opens, that slips the other way sticks. Where this
 cycles, Lemke's pivoting method (lemke.py) finds the modes.
 
-Rows may depend on each other (two sticking contacts of one rigid link): elimination.py.
+Rows may depend on each other (two sticking contacts of one rigid link): elimination.py. If all of a
+robot's joints are at their stops, that holds for contacts of different links as well, and the split
+of impulses that the elimination finds may break a cone where another does not. Then Lemke's own
+split is kept, and only corrected for its rounding.
 """
 
 from typing import Annotated, Protocol
@@ -122,12 +125,19 @@ def _solve_modes(problem: Complementarity) -> None:
     solve_active(problem, problem.right, problem.unknown)
     for r in range(2 * problem.count):
         problem.impulse[r] = 0.0
-        problem.velocity[r] = problem.free[r]
     for a in range(problem.unknowns):
         row, value = problem.rows[a], problem.unknown[a, 0]
         problem.impulse[row] = value
         if problem.slope[a] != 0.0:
             problem.impulse[row + 1] = problem.slope[a] * value
+    _fill_velocity(problem)
+
+
+@compiled
+def _fill_velocity(problem: Complementarity) -> None:
+    """Fill the velocities that the impulses lead to."""
+    for r in range(2 * problem.count):
+        problem.velocity[r] = problem.free[r]
     for b in range(2 * problem.count):
         impulse = problem.impulse[b]
         if impulse != 0.0:
@@ -195,13 +205,58 @@ def _settle(problem: Complementarity, tolerance: float) -> bool:
 
 
 @compiled
+def _correct(problem: Complementarity, tolerance: float) -> bool:
+    """Whether the modes agree with the impulses at hand, which are corrected by what they lack.
+
+    The correction is of the size of rounding: where impulses can be split in many ways, the split
+    remains.
+    """
+    _list_unknowns(problem)
+    _factor_active(problem)
+    _fill_velocity(problem)
+    for a in range(problem.unknowns):
+        problem.right[a, 0] = -problem.velocity[problem.rows[a]]
+    solve_active(problem, problem.right, problem.unknown)
+    for a in range(problem.unknowns):
+        row = problem.rows[a]
+        problem.impulse[row] += problem.unknown[a, 0]
+        if problem.slope[a] != 0.0:
+            problem.impulse[row + 1] = problem.slope[a] * problem.impulse[row]
+    _fill_velocity(problem)
+    changes = 0
+    for k in range(problem.count):
+        changes += _next_mode(problem, k, tolerance) != problem.mode[k]
+    return changes == 0
+
+
+@compiled
+def _follow_lemke(problem: Complementarity, attempt: int) -> None:
+    """Take modes and impulses from a path of Lemke's method."""
+    lemke_modes(
+        problem.W,
+        problem.free,
+        problem.friction,
+        problem.count,
+        attempt,
+        problem.mode,
+        problem.impulse,
+    )
+
+
+@compiled
 def solve(problem: Complementarity) -> None:
     """Find modes, impulses and velocities; modes come guessed."""
     largest = 1.0
     for r in range(2 * problem.count):
         largest = max(largest, abs(problem.free[r]))
+    tolerance = TOLERANCE * largest
     for attempt in range(ATTEMPTS):
-        if _settle(problem, TOLERANCE * largest):
+        if _settle(problem, tolerance):
             return
-        lemke_modes(problem.W, problem.free, problem.friction, problem.count, problem.mode, attempt)
-    _settle(problem, TOLERANCE * largest)
+        _follow_lemke(problem, attempt)
+    if _settle(problem, tolerance):
+        return
+    for attempt in range(ATTEMPTS):
+        _follow_lemke(problem, attempt)
+        if _correct(problem, tolerance):
+            return

@@ -137,7 +137,10 @@ def _first_row(A: Floats, attempt: int) -> int:
 
 @compiled
 def _complementary_basis(A: Floats, attempt: int) -> Integers:
-    """Follow Lemke's path; return the basis: variable of each row, w 0..size-1, then z, then z0."""
+    """Follow Lemke's path; return the basis: variable of each row, w 0..size-1, then z, then z0.
+
+    The last column of A becomes the values of its variables.
+    """
     size = A.shape[0]
     z0 = 2 * size
     tableau = np.zeros((size, 2 * size + 2))
@@ -160,22 +163,34 @@ def _complementary_basis(A: Floats, attempt: int) -> Integers:
         row = _leaving_row(tableau, basis, entering, size)
         if row < 0:
             break
+    for i in range(size):
+        A[i, size] = tableau[i, z0 + 1]
     return basis
 
 
 @compiled
 def lemke_modes(
-    W: Floats, free: Floats, friction: Floats, count: int, mode: Integers, attempt: int
+    W: Floats,
+    free: Floats,
+    friction: Floats,
+    count: int,
+    attempt: int,
+    mode: Integers,
+    impulse: Floats,
 ) -> None:
-    """Fill `mode` [count] with the modes that the path of this attempt ends with."""
+    """Fill `mode` [count] and `impulse` [2 count] with what the path of this attempt ends with."""
     first = np.zeros(count + 1, np.int64)
     A = _problem(W, free, friction, count, first)
     size = A.shape[0]
-    is_basic = np.zeros(2 * size + 1, np.int64)
-    for variable in _complementary_basis(A, attempt):
-        is_basic[variable] = 1
+    is_basic, value = np.zeros(2 * size + 1, np.int64), np.zeros((2 * size + 1, 1))
+    basis = _complementary_basis(A, attempt)
+    for i in range(size):
+        is_basic[basis[i]] = 1
+        value[basis[i], 0] = A[i, size]
     for k in range(count):
         z = size + first[k]
+        impulse[2 * k] = value[z, 0]
+        impulse[2 * k + 1] = value[z + 1, 0] - value[z + 2, 0] if friction[k] > 0.0 else 0.0
         if not is_basic[z]:
             mode[k] = OPEN
         elif friction[k] == 0.0 or not is_basic[z + 3] or is_basic[z + 1] == is_basic[z + 2]:

@@ -128,7 +128,7 @@ def test_lemke_finds_the_same_velocities() -> None:
     for W, free, friction in crowded_problems(1000):
         expected = solved(W, free, friction.tolist())
         mode = np.zeros(len(friction), np.int64)
-        lemke_modes(W, free, friction, len(friction), mode, 0)
+        lemke_modes(W, free, friction, len(friction), 0, mode, np.zeros(len(free)))
         bodies = np.zeros(1, BODY)
         again = bodies[0].problem
         rows = len(free)
