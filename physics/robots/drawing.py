@@ -4,7 +4,7 @@ import math
 
 from physics.drawing import Capsule, Drawing, box
 from physics.record import Floats
-from physics.robots.description import Robot
+from physics.robots.model.description import Robot
 
 HALF_WIDTH = 1.5
 """How far the view reaches to either side of the root (m)."""

@@ -3,8 +3,8 @@
 import numpy as np
 
 from physics.environment import FloatArray, IntArray
+from physics.robots.dynamics.motion import Modes
 from physics.robots.lcp.contact_mode import OPEN, SLIDE_AHEAD
-from physics.robots.motion import Modes
 
 REGIMES = ("free", "clipped", "sticking", "sliding", "resting", "opening", "joint limit")
 """From the weakest claim on a step to the strongest."""

@@ -7,13 +7,13 @@ import numpy as np
 from physics.environment import BoolArray
 from physics.kernels.compiled import compiled
 from physics.record import Floats, Integers, Records
-from physics.robots.body import Body, load_action, load_state
-from physics.robots.constraints import measure
+from physics.robots.dynamics.body import Body, load_action, load_state
+from physics.robots.dynamics.constraints import measure
+from physics.robots.dynamics.pose import place
+from physics.robots.dynamics.residual import BOUND, residual
+from physics.robots.dynamics.substep import advance, solve_substep
 from physics.robots.lcp.contact_mode import OPEN
-from physics.robots.mechanism import Mechanism
-from physics.robots.pose import place
-from physics.robots.residual import BOUND, residual
-from physics.robots.substep import advance, solve_substep
+from physics.robots.model.mechanism import Mechanism
 
 
 class ContactReport(NamedTuple):
@@ -30,7 +30,7 @@ class ContactReport(NamedTuple):
     stop_impulse: Floats
     """[b, substep, l], lower and upper stop of each joint in turn (N m s)."""
     residual: Floats
-    """[b, substep], largest error of the substep's equations (residual.py)."""
+    """[b, substep], largest error of the substep's equations (dynamics/residual.py)."""
     mode: Integers
     """[b, substep, c + l], each constraint's mode (contact_mode.py): OPEN, STICK (stops: at
     work), SLIDE_AHEAD, SLIDE_BACK."""

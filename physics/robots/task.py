@@ -3,7 +3,7 @@
     s = (q, v),    q = (x, z, pitch, joint angles ...)    as many v
 
 with `x, z` the root's place relative to the one it is described in, and joints in the order of the
-links. A step is `substeps` substeps under one action, each as substep.py has it.
+links. A step is `substeps` substeps under one action, each as dynamics/substep.py has it.
 
 A subclass declares `robot`, `substep_seconds`, `substeps`, `reward` and `end`, and says where its
 episodes start. Everything else follows.
@@ -25,15 +25,18 @@ from physics.environment import (
     clip_sides,
 )
 from physics.record import Records, dtype
-from physics.robots import description_check
-from physics.robots.body import Body
-from physics.robots.description import Robot
 from physics.robots.drawing import draw_robot
+from physics.robots.dynamics.body import Body
+from physics.robots.dynamics.motion import Modes, move_rows
+from physics.robots.dynamics.pose import ROOT
+from physics.robots.dynamics.smooth_dynamics import mass_matrices, smooth_forces
+from physics.robots.dynamics.substep_derivative import Tangent
 from physics.robots.end import FOREVER, End
 from physics.robots.lcp.contact_mode import OPEN
-from physics.robots.mechanism import build, sizes
-from physics.robots.motion import Modes, move_rows
-from physics.robots.pose import ROOT
+from physics.robots.model import description_check
+from physics.robots.model.description import Robot
+from physics.robots.model.mechanism import build, sizes
+from physics.robots.model.spheres import end_spheres
 from physics.robots.regime import REGIMES, regime_of
 from physics.robots.report import (
     ContactReport,
@@ -44,9 +47,6 @@ from physics.robots.report import (
 )
 from physics.robots.reward import Reward
 from physics.robots.sampling import rollouts
-from physics.robots.smooth_dynamics import mass_matrices, smooth_forces
-from physics.robots.spheres import end_spheres
-from physics.robots.substep_derivative import Tangent
 from physics.row_checks import float64_rows
 
 DEEPEST = 5e-3

@@ -2,7 +2,7 @@
 
 MuJoCo's hopper (Erez, Tassa and Todorov 2011; Todorov et al. 2012) as Gymnasium's Hopper-v5 has it:
 geometry, masses, joints, motors and friction of its hopper.xml, its reward, start and end. Four
-substeps of 0.002 s under one action, each as robots/substep.py has it.
+substeps of 0.002 s under one action, each as robots/dynamics/substep.py has it.
 
     s = (q, v),    q = (rootx, rootz, rooty, thigh, leg, foot)
     r = (x' - x) / 0.008 + 1 - 0.001 |clip(a)|^2        less the 1 in a step that ends the episode
@@ -15,7 +15,7 @@ Glossary:
     a              motors of the three joints, 200 N m each
 
 Contact points are the end spheres of all capsules but those inside a neighbour's
-(robots/spheres.py): the torso's two, the knee, the heel and the toe.
+(robots/model/spheres.py): the torso's two, the knee, the heel and the toe.
 
 Not as in MuJoCo: contacts and stops are hard, and have no margin; friction is Coulomb's, between
 spheres and ground, of the larger coefficient of the two as there (1, the foot 2); links do not
@@ -28,8 +28,8 @@ from math import inf, pi, radians
 import numpy as np
 
 from physics.environment import FloatArray
-from physics.robots.description import Capsule, Joint, Link, Robot, mass_of
 from physics.robots.end import Health
+from physics.robots.model.description import Capsule, Joint, Link, Robot, mass_of
 from physics.robots.reward import Running
 from physics.robots.task import RobotTask
 

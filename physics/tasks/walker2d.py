@@ -2,7 +2,7 @@
 
 MuJoCo's planar walker (Levine and Koltun 2013; Todorov et al. 2012) as Gymnasium's Walker2d-v5 has
 it: geometry, masses, joints, motors and friction of its walker2d_v5.xml, its reward, start and end.
-Four substeps of 0.002 s under one action, each as robots/substep.py has it.
+Four substeps of 0.002 s under one action, each as robots/dynamics/substep.py has it.
 
     s = (q, v),    q = (rootx, rootz, rooty, thigh, leg, foot, thigh_left, leg_left, foot_left)
     r = (x' - x) / 0.008 + 1 - 0.001 |clip(a)|^2        less the 1 in a step that ends the episode
@@ -15,7 +15,7 @@ Glossary:
     a              motors of the six joints, 100 N m each
 
 Contact points are the end spheres of all capsules but those inside a neighbour's
-(robots/spheres.py): the torso's two, then of each leg the knee, the toe and the heel.
+(robots/model/spheres.py): the torso's two, then of each leg the knee, the toe and the heel.
 
 Not as in MuJoCo: contacts and stops are hard; friction is Coulomb's, between spheres and ground, of
 the larger coefficient of the two as there (0.9, the feet 1.9); substeps are semi-implicit, MuJoCo's
@@ -28,8 +28,8 @@ from math import pi, radians
 import numpy as np
 
 from physics.environment import FloatArray
-from physics.robots.description import Capsule, Joint, Link, Robot, mass_of
 from physics.robots.end import Health
+from physics.robots.model.description import Capsule, Joint, Link, Robot, mass_of
 from physics.robots.reward import Running
 from physics.robots.task import RobotTask
 

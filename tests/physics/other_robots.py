@@ -14,18 +14,18 @@ import numpy as np
 
 from physics.environment import FloatArray
 from physics.record import dtype
-from physics.robots.body import Body, load_action, load_state, unload
-from physics.robots.description import Capsule, Joint, Link, Robot
-from physics.robots.mechanism import build, sizes
-from physics.robots.residual import residual
-from physics.robots.reward import Running
-from physics.robots.substep import advance, solve_substep
-from physics.robots.substep_derivative import (
+from physics.robots.dynamics.body import Body, load_action, load_state, unload
+from physics.robots.dynamics.residual import residual
+from physics.robots.dynamics.substep import advance, solve_substep
+from physics.robots.dynamics.substep_derivative import (
     Tangent,
     differentiate_substep,
     load_tangent,
     unload_tangent,
 )
+from physics.robots.model.description import Capsule, Joint, Link, Robot
+from physics.robots.model.mechanism import build, sizes
+from physics.robots.reward import Running
 from physics.robots.task import RobotTask
 
 H = 0.01

@@ -244,19 +244,23 @@ def _follow_lemke(problem: Complementarity, attempt: int) -> None:
 
 
 @compiled
+def _search(problem: Complementarity, tolerance: float) -> None:
+    """Find the modes where guessing does not."""
+    for attempt in range(ATTEMPTS):
+        _follow_lemke(problem, attempt)
+        if _settle(problem, tolerance):
+            return
+    for attempt in range(ATTEMPTS):
+        _follow_lemke(problem, attempt)
+        if _correct(problem, tolerance):
+            return
+
+
+@compiled
 def solve(problem: Complementarity) -> None:
     """Find modes, impulses and velocities; modes come guessed."""
     largest = 1.0
     for r in range(2 * problem.count):
         largest = max(largest, abs(problem.free[r]))
-    tolerance = TOLERANCE * largest
-    for attempt in range(ATTEMPTS):
-        if _settle(problem, tolerance):
-            return
-        _follow_lemke(problem, attempt)
-    if _settle(problem, tolerance):
-        return
-    for attempt in range(ATTEMPTS):
-        _follow_lemke(problem, attempt)
-        if _correct(problem, tolerance):
-            return
+    if not _settle(problem, TOLERANCE * largest):
+        _search(problem, TOLERANCE * largest)

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from physics.robots.description import Joint
+from physics.robots.model.description import Joint
 from physics.robots.task import RobotTask
 from physics.tasks.half_cheetah import ROBOT, HalfCheetah
 

@@ -8,9 +8,9 @@ import pytest
 
 from physics.environment import FloatArray
 from physics.randomness import generator
-from physics.robots.body import load_action, load_state
+from physics.robots.dynamics.body import load_action, load_state
+from physics.robots.dynamics.substep import advance, solve_substep
 from physics.robots.report import ContactReport
-from physics.robots.substep import advance, solve_substep
 from physics.tasks.half_cheetah import HalfCheetah
 
 ENVIRONMENT = HalfCheetah()

@@ -11,7 +11,7 @@ import pytest
 import physics
 from physics.environment import FloatArray
 from physics.randomness import generator
-from physics.robots.spheres import end_spheres
+from physics.robots.model.spheres import end_spheres
 from physics.robots.task import RobotTask
 from physics.tasks.hopper import Hopper
 from physics.tasks.walker2d import Walker2d

@@ -7,11 +7,11 @@ import pytest
 
 from physics.environment import FloatArray
 from physics.randomness import generator
-from physics.robots.body import load_action, load_state
+from physics.robots.dynamics.body import load_action, load_state
+from physics.robots.dynamics.substep import solve_substep
 from physics.robots.lcp.complementarity import solve
 from physics.robots.lcp.contact_mode import OPEN, SLIDE_AHEAD, SLIDE_BACK, STICK
 from physics.robots.lcp.lemke import lemke_modes
-from physics.robots.substep import solve_substep
 from physics.tasks.half_cheetah import HalfCheetah
 
 ENVIRONMENT = HalfCheetah()

@@ -14,8 +14,8 @@ from typing import Annotated, Any, Protocol
 import numpy as np
 
 from physics.record import Floats, Integers, Records, dtype
-from physics.robots.description import Capsule, Robot, mass_of
-from physics.robots.spheres import touching
+from physics.robots.model.description import Capsule, Robot, mass_of
+from physics.robots.model.spheres import touching
 
 
 class Mechanism(Protocol):

@@ -11,10 +11,10 @@ the links beyond it), and `|min(x, y)|` over the complementary pairs of every co
 from math import inf, isfinite
 
 from physics.kernels.compiled import compiled
-from physics.robots.body import Body
-from physics.robots.constraints import approach
-from physics.robots.mechanism import Mechanism
-from physics.robots.pose import ROOT
+from physics.robots.dynamics.body import Body
+from physics.robots.dynamics.constraints import approach
+from physics.robots.dynamics.pose import ROOT
+from physics.robots.model.mechanism import Mechanism
 
 BOUND = 1e-8
 """A substep with a larger residual counts as unsolved; the usual one is below 1e-11."""

@@ -7,9 +7,9 @@ itself never needs these: they are for comparing it with others.
 
 from physics.kernels.compiled import compiled
 from physics.record import Floats, Records
-from physics.robots.body import Body, load_action, load_state
-from physics.robots.mechanism import Mechanism
-from physics.robots.pose import ROOT, bias, place
+from physics.robots.dynamics.body import Body, load_action, load_state
+from physics.robots.dynamics.pose import ROOT, bias, place
+from physics.robots.model.mechanism import Mechanism
 
 
 @compiled

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from physics.robots.description import Link, Robot
+from physics.robots.model.description import Link, Robot
 
 
 def mistakes(robot: Robot) -> list[str]:

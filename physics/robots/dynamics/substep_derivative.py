@@ -24,10 +24,10 @@ from typing import Annotated, Protocol
 
 from physics.kernels.compiled import compiled
 from physics.record import Floats
-from physics.robots.body import Body
+from physics.robots.dynamics.body import Body
+from physics.robots.dynamics.pose import ROOT
 from physics.robots.lcp.complementarity import solve_active
-from physics.robots.mechanism import Mechanism
-from physics.robots.pose import ROOT
+from physics.robots.model.mechanism import Mechanism
 
 
 class Tangent(Protocol):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from physics.robots.description import Capsule
+from physics.robots.model.description import Capsule
 from physics.tasks.half_cheetah import ROBOT, HalfCheetah
 
 MECHANISM = HalfCheetah.mechanism[0]

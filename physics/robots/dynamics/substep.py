@@ -16,13 +16,13 @@ complementarity problem; all are looked at again after each solve.
 """
 
 from physics.kernels.compiled import compiled
-from physics.robots.body import Body
-from physics.robots.constraints import approach, fill_rows, measure
+from physics.robots.dynamics.body import Body
+from physics.robots.dynamics.constraints import approach, fill_rows, measure
+from physics.robots.dynamics.pose import ROOT, bias, place
+from physics.robots.dynamics.tree_factor import factor, to_leaves, to_root
 from physics.robots.lcp.complementarity import TOLERANCE, solve
 from physics.robots.lcp.contact_mode import STICK
-from physics.robots.mechanism import Mechanism
-from physics.robots.pose import ROOT, bias, place
-from physics.robots.tree_factor import factor, to_leaves, to_root
+from physics.robots.model.mechanism import Mechanism
 
 
 @compiled

@@ -3,7 +3,7 @@
 from math import dist
 from typing import NamedTuple
 
-from physics.robots.description import SAME_PLACE, Capsule, Link, Robot, Vector
+from physics.robots.model.description import SAME_PLACE, Capsule, Link, Robot, Vector
 
 
 class Sphere(NamedTuple):

@@ -1,7 +1,7 @@
 """Planar articulated bodies in absolute link angles: mass matrix, bias, sphere kinematics.
 
 Degrees of freedom `(x, z, theta_0, theta_1, ...)`. With `a_j`, `w_j` the arm and the moment of
-link j turned to the world (description.py), `'` the derivative in the angle that turns them
+link j turned to the world (model/description.py), `'` the derivative in the angle that turns them
 (`p' = (p_z, -p_x)`, `p'' = -p`), and `a` the arm that leads from ancestor i towards j:
 
     M[x, j], M[z, j] = w_j'          M[j, j] = inertia_j          M[j, i] = a . w_j
@@ -18,7 +18,7 @@ from typing import Annotated, Protocol
 
 from physics.kernels.compiled import compiled
 from physics.record import Floats
-from physics.robots.mechanism import Mechanism
+from physics.robots.model.mechanism import Mechanism
 
 ROOT = 2
 """Index of the root link's angle; x and z come before it."""

@@ -14,8 +14,8 @@ lowest point adds -radius on the own link, an offset that does not turn with it.
 
 from physics.kernels.compiled import compiled
 from physics.record import Floats
-from physics.robots.mechanism import Mechanism
-from physics.robots.pose import ROOT, Pose
+from physics.robots.dynamics.pose import ROOT, Pose
+from physics.robots.model.mechanism import Mechanism
 
 
 @compiled

@@ -9,9 +9,9 @@ from typing import Annotated, Protocol
 
 from physics.kernels.compiled import compiled
 from physics.record import Floats, Integers
+from physics.robots.dynamics.pose import ROOT, Pose
 from physics.robots.lcp.complementarity import Complementarity
-from physics.robots.mechanism import Mechanism
-from physics.robots.pose import ROOT, Pose
+from physics.robots.model.mechanism import Mechanism
 
 
 class Body(Protocol):

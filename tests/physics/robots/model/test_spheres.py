@@ -1,6 +1,6 @@
 """Which spheres can touch the ground."""
 
-from physics.robots.spheres import end_spheres, touching
+from physics.robots.model.spheres import end_spheres, touching
 from physics.tasks.half_cheetah import ROBOT as CHEETAH
 from physics.tasks.hopper import ROBOT as HOPPER
 from physics.tasks.walker2d import ROBOT as WALKER

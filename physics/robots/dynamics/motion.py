@@ -8,15 +8,15 @@ import numpy.typing as npt
 
 from physics.kernels.compiled import compiled
 from physics.record import Floats, Records
-from physics.robots.body import Body, load_action, load_state, unload
-from physics.robots.mechanism import Mechanism
-from physics.robots.residual import BOUND, residual
-from physics.robots.substep import advance, solve_substep
-from physics.robots.substep_derivative import (
+from physics.robots.dynamics.body import Body, load_action, load_state, unload
+from physics.robots.dynamics.residual import BOUND, residual
+from physics.robots.dynamics.substep import advance, solve_substep
+from physics.robots.dynamics.substep_derivative import (
     differentiate_substep,
     load_tangent,
     unload_tangent,
 )
+from physics.robots.model.mechanism import Mechanism
 
 Modes = npt.NDArray[np.int8]
 

@@ -6,9 +6,9 @@ import pytest
 from physics.environment import FloatArray
 from physics.kernels.compiled import compiled
 from physics.record import Records
-from physics.robots.body import load_action, load_state
-from physics.robots.residual import BOUND, residual
-from physics.robots.substep import solve_substep
+from physics.robots.dynamics.body import load_action, load_state
+from physics.robots.dynamics.residual import BOUND, residual
+from physics.robots.dynamics.substep import solve_substep
 from physics.tasks.half_cheetah import HalfCheetah
 
 DT = HalfCheetah.substep_seconds

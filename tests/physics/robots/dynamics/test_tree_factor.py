@@ -4,7 +4,7 @@ import numpy as np
 
 from physics.environment import FloatArray
 from physics.randomness import generator
-from physics.robots.tree_factor import factor, to_leaves, to_root
+from physics.robots.dynamics.tree_factor import factor, to_leaves, to_root
 
 PARENT = np.array([-1, 0, 1, 2, 3, 2, 5, 5])
 

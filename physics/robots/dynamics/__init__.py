@@ -1,0 +1,1 @@
+"""How a robot moves: substeps with contact, and their derivatives."""
