@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from physics.environment import Environment, FloatArray, IntArray
+from physics.environment import BoolArray, Environment, FloatArray, IntArray
 
 Controller = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 """A policy: states [b, n] -> actions [b, m] and their Jacobians in the states [b, m, n]."""
@@ -60,11 +60,9 @@ class Rollouts(NamedTuple):
     """[b], the steps that each rollout had."""
 
     @property
-    def is_live(self) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+    def is_live(self) -> BoolArray:
         """[T, b], whether a step belongs to its rollout."""
-        live: np.ndarray[tuple[int, ...], np.dtype[np.bool_]] = (
-            np.arange(len(self.rewards))[:, None] < self.lengths
-        )
+        live: BoolArray = np.arange(len(self.rewards))[:, None] < self.lengths
         return live
 
 
@@ -101,20 +99,24 @@ def roll_out(
         if not goes_on.any():
             break
         states = np.where(goes_on[:, None], step.next_state, states)
-    return Rollouts(*(np.stack(part) for part in zip(*rows, strict=True)), lengths)
+    return Rollouts._make([*(np.stack(part) for part in zip(*rows, strict=True)), lengths])
 
 
 def value_gradient(rollouts: Rollouts, horizon: int, gamma: float = 1.0) -> Gradient:
-    """The exact gradient of R_H in each rollout's first state and action, H = `horizon`."""
+    """The exact gradient of R_H in each rollout's first state and action, H = `horizon`.
+
+    It is not finite where the closed loop makes it grow beyond float64.
+    """
     later = np.zeros_like(rollouts.states[0])
     by_state, by_action = later, np.zeros_like(rollouts.actions[0])
     live = rollouts.is_live
-    for t in range(min(horizon, len(live)) - 1, -1, -1):
-        q = rollouts.reward_next[t] + gamma * later
-        by_action = rollouts.reward_action[t] + pulled_back(q, rollouts.action_jacobian[t])
-        by_state = rollouts.reward_state[t] + pulled_back(q, rollouts.state_jacobian[t])
-        total = by_state + pulled_back(by_action, rollouts.policy_jacobian[t])
-        later = np.where(live[t][:, None], total, 0.0)
+    with np.errstate(over="ignore", invalid="ignore"):
+        for t in range(min(horizon, len(live)) - 1, -1, -1):
+            q = rollouts.reward_next[t] + gamma * later
+            by_action = rollouts.reward_action[t] + pulled_back(q, rollouts.action_jacobian[t])
+            by_state = rollouts.reward_state[t] + pulled_back(q, rollouts.state_jacobian[t])
+            total = by_state + pulled_back(by_action, rollouts.policy_jacobian[t])
+            later = np.where(live[t][:, None], total, 0.0)
     return Gradient(by_state, by_action)
 
 

@@ -44,12 +44,18 @@ def bootstrapped_gradient(
 
 
 def mean_cosine(own: FloatArray, aim: FloatArray) -> float:
-    """The mean of `cos(own, aim)` over rows [b, k] where neither is 0; NaN without such rows."""
-    norms = np.linalg.norm(own, axis=1) * np.linalg.norm(aim, axis=1)
-    directed = norms > 0
-    if not directed.any():
-        return float("nan")
-    return float(((own * aim).sum(axis=1)[directed] / norms[directed]).mean())
+    """The mean of `cos(own, aim)` over the rows [b, k] where both have a direction; or NaN."""
+    cosines = (directions(own) * directions(aim)).sum(axis=1)
+    directed = np.isfinite(cosines)
+    return float(cosines[directed].mean()) if directed.any() else float("nan")
+
+
+def directions(rows: FloatArray) -> FloatArray:
+    """Rows [b, k] of length 1, whatever their lengths; NaN for those that are 0 or not finite."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        scaled = rows / np.abs(rows).max(axis=1, keepdims=True)
+        unit: FloatArray = scaled / np.linalg.norm(scaled, axis=1, keepdims=True)
+    return unit
 
 
 def top_share(losses: FloatArray, share: float = 0.01) -> float:

@@ -7,7 +7,7 @@ pieces (`Environment.pieces`): sides of clips, turns of angles, contacts that to
 import numpy as np
 
 from algorithms.diagnostics.closed_loop import Rollouts
-from physics.environment import Environment
+from physics.environment import Environment, FloatArray
 
 
 def kink_share(environment: Environment, rollouts: Rollouts) -> float:
@@ -24,7 +24,7 @@ def regime_shares(environment: Environment, rollouts: Rollouts) -> dict[str, flo
     return {name: float(np.mean(regimes == k)) for k, name in enumerate(environment.regimes)}
 
 
-def flat(rollouts: Rollouts) -> tuple[np.ndarray, np.ndarray]:
+def flat(rollouts: Rollouts) -> tuple[FloatArray, FloatArray]:
     """The states [T b, n] and actions [T b, m]."""
     states, actions = rollouts.states, rollouts.actions
     return states.reshape(-1, states.shape[2]), actions.reshape(-1, actions.shape[2])

@@ -81,11 +81,13 @@ def smoothing(
     ways = [roll_out(environment, controller, starts, steps, each) for each in (plus, minus)]
     found = []
     for horizon in horizons:
-        exact = sum(value_gradient(way, horizon).by_action for way in ways) / 2
+        ahead, behind = (value_gradient(way, horizon).by_action for way in ways)
         gain, loss = (way.rewards[:horizon].sum(axis=0) for way in ways)
         zeroth = (gain - loss)[:, None] * plus[0] / (2 * noise**2)
         shape = (len(states), pairs, m)
-        found.append(compared(horizon, noise, exact.reshape(shape), zeroth.reshape(shape)))
+        found.append(
+            compared(horizon, noise, ((ahead + behind) / 2).reshape(shape), zeroth.reshape(shape))
+        )
     return found
 
 

@@ -56,3 +56,8 @@ def test_rows_without_a_direction_are_left_out() -> None:
     own, aim = np.array([[1.0, 0.0], [0.0, 0.0], [1.0, 1.0]]), np.array([[2.0, 0.0]] * 3)
     assert mean_cosine(own, aim) == pytest.approx((1 + np.sqrt(0.5)) / 2)
     assert np.isnan(mean_cosine(own, 0 * aim))
+
+
+def test_a_direction_has_no_length() -> None:
+    own, aim = np.array([[1e250, 1e250], [np.inf, 1.0]]), np.array([[1e-250, 0.0], [1.0, 1.0]])
+    assert mean_cosine(own, aim) == pytest.approx(np.sqrt(0.5))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from algorithms.diagnostics.smoothing import Smoothing, compared, smoothing
-from physics.environment import FloatArray
+from physics.environment import BoolArray, FloatArray
 from physics.randomness import generator
 from tests.algorithms.linear_quadratic import COST, FB, LinearQuadratic
 from tests.algorithms.probes import Probe
@@ -30,7 +30,7 @@ class Cliff(Probe):
         return np.ones_like(s)
 
     def advance(
-        self, s: FloatArray, a: FloatArray, n: FloatArray, r: FloatArray, terminated: FloatArray
+        self, s: FloatArray, a: FloatArray, n: FloatArray, r: FloatArray, terminated: BoolArray
     ) -> None:
         n[:], r[:], terminated[:] = s, a[:, 0] > 0.1, True
 
@@ -43,8 +43,8 @@ def quadratic_gradient(states: FloatArray, horizon: int) -> FloatArray:
     value, step = np.zeros((3, 3)), np.vstack([np.eye(3), GAIN])
     for _ in range(horizon - 1):
         value = step.T @ (COST + FB.T @ value @ FB) @ step
-    by_both = np.hstack([states, states @ GAIN.T]) @ (COST + FB.T @ value @ FB)
-    return -by_both[:, 3:]
+    by_both: FloatArray = -np.hstack([states, states @ GAIN.T]) @ (COST + FB.T @ value @ FB)
+    return by_both[:, 3:]
 
 
 @pytest.fixture(scope="module")
