@@ -12,6 +12,7 @@ square. If few rows carry it, a batch's update is about those, whatever the othe
 """
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -43,11 +44,21 @@ def bootstrapped_gradient(
     )
 
 
-def mean_cosine(own: FloatArray, aim: FloatArray) -> float:
-    """The mean of `cos(own, aim)` over the rows [b, k] where both have a direction; or NaN."""
+class Agreement(NamedTuple):
+    """How far two gradients agree."""
+
+    cosine: float
+    """The mean over the rows where both have a direction; NaN without such rows."""
+    directed: float
+    """The share of those rows."""
+
+
+def agreement(own: FloatArray, aim: FloatArray) -> Agreement:
+    """Compare the directions of gradients [b, k], row by row."""
     cosines = (directions(own) * directions(aim)).sum(axis=1)
     directed = np.isfinite(cosines)
-    return float(cosines[directed].mean()) if directed.any() else float("nan")
+    mean = float(cosines[directed].mean()) if directed.any() else float("nan")
+    return Agreement(mean, float(directed.mean()))
 
 
 def directions(rows: FloatArray) -> FloatArray:

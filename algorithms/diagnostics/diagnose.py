@@ -16,8 +16,8 @@ import numpy as np
 import physics
 from algorithms.diagnostics.closed_loop import Gradient, Rollouts, roll_out, value_gradient
 from algorithms.diagnostics.critic_gradient import (
+    agreement,
     bootstrapped_gradient,
-    mean_cosine,
     square_distance,
     top_share,
 )
@@ -55,7 +55,7 @@ def diagnose(
 
     Raises:
         ValueError: for an unknown task.
-        ArithmeticError: where a step or its derivatives are not finite or not solved.
+        NotFiniteError, UnsolvedStepError: where a step has no derivatives, or no solution.
     """
     task = physics.make(environment)
     with one_thread():
@@ -139,17 +139,21 @@ def of_critic(
     target = bootstrapped_gradient(environment, policy, critic, states, actions, gamma)
     aims = {None: target} | {cut: value_gradient(rollouts, cut, gamma) for cut in CUTS}
     return [
-        Finding("critic" if cut else "target", f"{part}_cosine", cut, None, cosine)
+        Finding("critic" if cut else "target", name, cut, None, value)
         for cut, aim in aims.items()
-        for part, cosine in cosines(own, aim, unit).items()
+        for name, value in agreements(own, aim, unit).items()
     ]
 
 
-def cosines(own: Gradient, aim: Gradient, unit: FloatArray) -> dict[str, float]:
-    """The mean cosine of each part of two gradients."""
+def agreements(own: Gradient, aim: Gradient, unit: FloatArray) -> dict[str, float]:
+    """How far each part of two gradients agrees."""
+    action = agreement(own.by_action, aim.by_action)
+    state = agreement(own.by_state * unit, aim.by_state * unit)
     return {
-        "action": mean_cosine(own.by_action, aim.by_action),
-        "state": mean_cosine(own.by_state * unit, aim.by_state * unit),
+        "action_cosine": action.cosine,
+        "action_rows": action.directed,
+        "state_cosine": state.cosine,
+        "state_rows": state.directed,
     }
 
 

@@ -73,22 +73,48 @@ def smoothing(
         pairs: N, of each state.
         seed: of the noise.
     """
-    steps, m = max(horizons), environment.action_size
-    shape = (steps, len(states) * pairs, m)
-    plus = noise * generator(seed, "diagnostics: smoothing").standard_normal(shape)
-    minus = np.concatenate([-plus[:1], plus[1:]])
-    starts = np.repeat(states, pairs, axis=0)
-    ways = [roll_out(environment, controller, starts, steps, each) for each in (plus, minus)]
-    found = []
+    shape = (len(states), max(horizons), pairs, environment.action_size)
+    noises = noise * generator(seed, "diagnostics: smoothing").standard_normal(shape)
+    by_state = [
+        estimates(environment, controller, state, horizons, each, noise)
+        for state, each in zip(states, noises, strict=True)
+    ]
+    exact, zeroth = (np.stack(each) for each in zip(*by_state, strict=True))
+    return [
+        compared(horizon, noise, exact[:, i], zeroth[:, i]) for i, horizon in enumerate(horizons)
+    ]
+
+
+def estimates(
+    environment: Environment,
+    controller: Controller,
+    state: FloatArray,
+    horizons: Sequence[int],
+    noise: FloatArray,
+    scale: float,
+) -> tuple[FloatArray, FloatArray]:
+    """Exact and zeroth-order estimates [horizons, N, m] at one state [n].
+
+    Args:
+        environment: the task.
+        controller: the policy.
+        state: where the rollouts start.
+        horizons: H, each.
+        noise: w+ of each pair [T, N, m].
+        scale: its standard deviation.
+    """
+    starts = np.repeat(state[None], noise.shape[1], axis=0)
+    opposite = np.concatenate([-noise[:1], noise[1:]])
+    plus, minus = (
+        roll_out(environment, controller, starts, len(noise), each) for each in (noise, opposite)
+    )
+    exact, zeroth = [], []
     for horizon in horizons:
-        ahead, behind = (value_gradient(way, horizon).by_action for way in ways)
-        gain, loss = (way.rewards[:horizon].sum(axis=0) for way in ways)
-        zeroth = (gain - loss)[:, None] * plus[0] / (2 * noise**2)
-        shape = (len(states), pairs, m)
-        found.append(
-            compared(horizon, noise, ((ahead + behind) / 2).reshape(shape), zeroth.reshape(shape))
-        )
-    return found
+        slopes = value_gradient(plus, horizon).by_action + value_gradient(minus, horizon).by_action
+        change = plus.rewards[:horizon].sum(axis=0) - minus.rewards[:horizon].sum(axis=0)
+        exact.append(slopes / 2)
+        zeroth.append(change[:, None] * noise[0] / (2 * scale**2))
+    return np.stack(exact), np.stack(zeroth)
 
 
 def compared(horizon: int, noise: float, exact: FloatArray, zeroth: FloatArray) -> Smoothing:

@@ -43,7 +43,7 @@ def test_the_command_prints_60_columns_and_writes_every_number(
         assert title in shown
     with file.open() as written:
         numbers = list(csv.DictReader(written))
-    assert len(numbers) == 90
+    assert len(numbers) == 102
     [crossing] = [each for each in numbers if each["quantity"] == "crossing"]
     assert f"{float(crossing['value']):.3g}" in shown
 

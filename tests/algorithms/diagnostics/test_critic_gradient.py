@@ -5,8 +5,8 @@ import pytest
 
 from algorithms.diagnostics.closed_loop import Gradient, roll_out, value_gradient
 from algorithms.diagnostics.critic_gradient import (
+    agreement,
     bootstrapped_gradient,
-    mean_cosine,
     square_distance,
     top_share,
 )
@@ -31,9 +31,9 @@ def test_the_cosine_is_1_for_an_exact_critic_and_below_for_a_cut_rollout() -> No
     own = exact_critic(rollouts.states[0], rollouts.actions[0])
     whole, cut = (value_gradient(rollouts, horizon, GAMMA) for horizon in (60, 1))
     for part in (0, 1):
-        assert mean_cosine(own[part], whole[part]) == pytest.approx(1.0, abs=1e-12)
+        assert agreement(own[part], whole[part]).cosine == pytest.approx(1.0, abs=1e-12)
         np.testing.assert_allclose(own[part], whole[part], rtol=1e-9)
-        assert mean_cosine(own[part], cut[part]) < 0.999
+        assert agreement(own[part], cut[part]).cosine < 0.999
 
 
 def test_an_exact_critic_is_its_own_target_at_any_action() -> None:
@@ -54,10 +54,12 @@ def test_a_planted_row_carries_its_share() -> None:
 
 def test_rows_without_a_direction_are_left_out() -> None:
     own, aim = np.array([[1.0, 0.0], [0.0, 0.0], [1.0, 1.0]]), np.array([[2.0, 0.0]] * 3)
-    assert mean_cosine(own, aim) == pytest.approx((1 + np.sqrt(0.5)) / 2)
-    assert np.isnan(mean_cosine(own, 0 * aim))
+    assert agreement(own, aim) == pytest.approx(((1 + np.sqrt(0.5)) / 2, 2 / 3))
+    cosine, directed = agreement(own, 0 * aim)
+    assert np.isnan(cosine)
+    assert directed == 0.0
 
 
 def test_a_direction_has_no_length() -> None:
     own, aim = np.array([[1e250, 1e250], [np.inf, 1.0]]), np.array([[1e-250, 0.0], [1.0, 1.0]])
-    assert mean_cosine(own, aim) == pytest.approx(np.sqrt(0.5))
+    assert agreement(own, aim) == pytest.approx((np.sqrt(0.5), 0.5))
