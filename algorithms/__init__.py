@@ -9,14 +9,18 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from algorithms.catalogue import names
+    from algorithms.diagnostics.diagnose import diagnose
+    from algorithms.diagnostics.finding import Finding
     from algorithms.measurement import Measurement
     from algorithms.training import build, prepare, train
 
-__all__ = ["Measurement", "build", "names", "prepare", "train"]
+__all__ = ["Finding", "Measurement", "build", "diagnose", "names", "prepare", "train"]
 
 _HOMES = {
+    "Finding": "algorithms.diagnostics.finding",
     "Measurement": "algorithms.measurement",
     "build": "algorithms.training",
+    "diagnose": "algorithms.diagnostics.diagnose",
     "names": "algorithms.catalogue",
     "prepare": "algorithms.training",
     "train": "algorithms.training",

@@ -1,4 +1,4 @@
-"""The commands of `python -m algorithms`: training on one machine, without a service.
+"""The commands of `python -m algorithms`: training and diagnosing, without a service.
 
 Exit codes: 0 done; 1 a run diverged or failed; 2 the command was called wrongly;
 130 interrupted.
@@ -18,12 +18,14 @@ from rich.table import Table
 import algorithms
 import physics
 from algorithms import catalogue
+from algorithms.cli import findings
 from algorithms.cli.curve_file import CurveFile
 from algorithms.cli.display import display, summary
 from algorithms.cli.outcome import Outcome
-from algorithms.presets import preset
+from algorithms.presets import completed, preset
 
 if TYPE_CHECKING:
+    from algorithms.diagnostics.finding import Finding
     from algorithms.learner import Learner
 
 app = typer.Typer(
@@ -74,31 +76,122 @@ def train(
     build = prepared(algorithm, environment, outcome.seeds, weights, steps, settings)
     with ExitStack() as stack:
         curves = CurveFile(stack.enter_context(new_file(csv))) if csv else None
-        show = stack.enter_context(
-            display(console, f"{algorithm} on {environment}", steps, outcome)
-        )
-        try:
+        trained(build, f"{algorithm} on {environment}", steps, outcome, curves)
+    console.print(summary(outcome))
+    if outcome.ended:
+        complain_of_ends(outcome)
+        raise typer.Exit(1)
+
+
+@app.command()
+def diagnose(
+    environment: Annotated[str, typer.Argument(help="The task.")],
+    algorithm: Annotated[
+        str, typer.Option(help="What learns the policy; one that learns a policy.")
+    ] = "hybrid-ddpg-robust",
+    seeds: Annotated[int, typer.Option(min=1, help="How many runs: seeds 0, 1, ...")] = 1,
+    timesteps: Annotated[
+        int | None, typer.Option(min=1, help="Of each run; the preset's if unset.")
+    ] = None,
+    weights: Annotated[
+        tuple[float, float] | None,
+        typer.Option(metavar="W1 W2", help="Of the gradient terms; the preset's if unset."),
+    ] = None,
+    config: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=VALUE", help="A setting; may be given again for others."),
+    ] = None,
+    csv: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="A new file for every number.")
+    ] = None,
+) -> None:
+    """Train runs, then show where the simulator's gradients can help them and where not.
+
+    With several seeds, the tables show medians.
+    """
+    usual = preset(algorithm, environment)
+    steps = usual.timesteps if timesteps is None else timesteps
+    settings = read_settings(config or [])
+    outcome = Outcome(range(seeds))
+    build = prepared(algorithm, environment, outcome.seeds, weights, steps, settings)
+
+    def build_with_policy() -> "Learner":
+        learner = build()
+        if learner.snapshot(0) is None:
+            raise typer.BadParameter(
+                f"{algorithm} learns no policy to diagnose: choose another, such as ddpg",
+                param_hint="--algorithm",
+            )
+        return learner
+
+    with ExitStack() as stack:
+        file = stack.enter_context(new_file(csv)) if csv else None
+        title = f"{algorithm} on {environment}"
+        learner = trained(build_with_policy, title, steps, outcome, None)
+        gamma = discount(algorithm, environment, settings)
+        found = diagnosed(learner, environment, gamma, outcome)
+        if file:
+            findings.write(file, found)
+    for heading, table in findings.tables(found):
+        console.print(f"\n{heading}", style="bold", highlight=False)
+        console.print(table)
+    if outcome.ended:
+        complain_of_ends(outcome)
+        raise typer.Exit(1)
+
+
+def trained(
+    build: "Callable[[], Learner]",
+    title: str,
+    timesteps: int,
+    outcome: Outcome,
+    curves: CurveFile | None,
+) -> "Learner":
+    """Train to the end and show how it goes; raises typer.Exit where it cannot go on."""
+    try:
+        with display(console, title, timesteps, outcome) as show:
             learner = build()
             while not learner.finished:
                 measured = outcome.take(learner.advance())
                 if curves:
                     curves.write(measured)
-                show(steps if learner.finished else learner.timestep)
-        except KeyboardInterrupt:
-            stack.close()
-            console.print(summary(outcome))
-            console.print("Interrupted: what was measured so far is above.")
-            raise typer.Exit(130) from None
-        except ArithmeticError as error:
-            stack.close()
-            complain(f"training could not go on: {error}")
-            raise typer.Exit(1) from None
-    console.print(summary(outcome))
-    if outcome.ended:
-        for end in outcome.ended.values():
-            complain(f"seed {end.seed} {end.reason}")
-        complain(f"{len(outcome.ended)} of {seeds} runs ended early.")
-        raise typer.Exit(1)
+                show(timesteps if learner.finished else learner.timestep)
+            return learner
+    except KeyboardInterrupt:
+        console.print(summary(outcome))
+        console.print("Interrupted: what was measured so far is above.")
+        raise typer.Exit(130) from None
+    except ArithmeticError as error:
+        complain(f"training could not go on: {error}")
+        raise typer.Exit(1) from None
+
+
+def diagnosed(
+    learner: "Learner", environment: str, gamma: float | None, outcome: Outcome
+) -> "dict[int, list[Finding]]":
+    """The findings of each run that reached its end; raises typer.Exit where there can be none."""
+    try:
+        return {
+            seed: algorithms.diagnose(environment, snapshot, gamma, seed)
+            for seed in outcome.seeds
+            if seed not in outcome.ended and (snapshot := learner.snapshot(seed)) is not None
+        }
+    except (ArithmeticError, ValueError) as error:
+        complain(f"the diagnosis could not go on: {error}")
+        raise typer.Exit(1) from None
+
+
+def discount(algorithm: str, environment: str, settings: dict[str, Any]) -> float | None:
+    """The gamma of a run with these settings; None where the algorithm has none."""
+    config = catalogue.find(algorithm).config_class()(**completed(algorithm, environment, settings))
+    return getattr(config, "gamma", None)
+
+
+def complain_of_ends(outcome: Outcome) -> None:
+    """Say which runs ended early, and why."""
+    for end in outcome.ended.values():
+        complain(f"seed {end.seed} {end.reason}")
+    complain(f"{len(outcome.ended)} of {len(outcome.seeds)} runs ended early.")
 
 
 def prepared(
