@@ -46,3 +46,12 @@ def test_a_state_at_a_kink_is_told_apart() -> None:
     np.testing.assert_array_equal(
         differences(environment, states, actions).smooth, [True, False, False]
     )
+
+
+def test_where_rounding_is_amplified_narrow_differences_do_not_count() -> None:
+    """An action 1e-6 from its clip: only the two narrowest widths fit."""
+    environment = physics.make("Pendulum")
+    states, actions = np.array([[0.3, 0.0]]), np.array([[1.0 - 1e-6]])
+    assert differences(environment, states, actions).smooth.tolist() == [True]
+    environment.rounding = 2e-13  # type: ignore[misc]  # of this instance
+    assert differences(environment, states, actions).smooth.tolist() == [False]

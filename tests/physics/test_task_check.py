@@ -37,6 +37,8 @@ def refusal(task: type, **attributes: Any) -> str:
         ("max_reward", None, "max_reward must be a finite number, not None"),
         ("step_seconds", 0.0, "step_seconds must be a number above 0, not 0.0"),
         ("step_seconds", "fast", "step_seconds must be a number above 0, not 'fast'"),
+        ("rounding", 0.0, "rounding must be a number above 0, at most 4e-13, not 0.0"),
+        ("rounding", 1e-9, "rounding must be a number above 0, at most 4e-13, not 1e-09"),
         ("reward_is_differentiable", 1, "reward_is_differentiable must be True or False, not 1"),
         ("angles", {7: 1}, "angles names coordinate 7; a state has the coordinates 0 to"),
         ("angles", {-1: 1}, "angles names coordinate -1"),

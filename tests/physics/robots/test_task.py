@@ -29,12 +29,13 @@ def test_all_mistakes_of_a_declaration_are_told() -> None:
 
 def test_a_robot_that_cannot_be_is_refused_with_its_mistakes() -> None:
     torso, thigh, shin, *_ = ROBOT.links
-    bent = replace(shin, joint=Joint(1.0, -1.0, 0.0, 0.0, 0.0, 1.0))
+    bent = replace(shin, joint=Joint(1.0, -1.0, 0.0, 0.0, 0.0, 1.0, axis=2.0))
     robot = replace(ROBOT, links=(torso, bent, thigh), total_mass=0.0)
     with pytest.raises(ValueError, match="Wrong is no robot's task yet") as caught:
         declared(robot=robot, substeps=1, substep_seconds=0.01, reward=HalfCheetah.reward)
     for complaint in (
         "the stops of 'bshin' must be lower < upper",
+        "the axis of 'bshin' must be 1 or -1, not 2.0",
         "the parent of 'bshin' must be one of 'torso', not 'bthigh'",
         "total_mass must be above 0 kg, not 0.0",
     ):
