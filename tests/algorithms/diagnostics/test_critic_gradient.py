@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import physics
 from algorithms.diagnostics.closed_loop import Gradient, roll_out, value_gradient
 from algorithms.diagnostics.critic_gradient import (
     agreement,
@@ -11,6 +12,7 @@ from algorithms.diagnostics.critic_gradient import (
     top_share,
 )
 from physics.environment import FloatArray
+from physics.tasks.mass_point import DT
 from tests.algorithms.diagnostics.test_smoothing import GAIN, linear, states
 from tests.algorithms.linear_quadratic import COST, FB, LinearQuadratic
 
@@ -41,6 +43,20 @@ def test_an_exact_critic_is_its_own_target_at_any_action() -> None:
     target = bootstrapped_gradient(LinearQuadratic(), linear, exact_critic, starts, actions, GAMMA)
     for own, aim in zip(exact_critic(starts, actions), target, strict=True):
         np.testing.assert_allclose(own, aim, rtol=1e-9)
+
+
+def test_nothing_is_bootstrapped_beyond_the_end() -> None:
+    def still(states: FloatArray) -> tuple[FloatArray, FloatArray]:
+        return np.zeros((len(states), 1)), np.zeros((len(states), 1, 1))
+
+    def critic(states: FloatArray, actions: FloatArray) -> Gradient:
+        return Gradient(np.ones_like(states), np.ones_like(actions))
+
+    starts, actions = np.array([[0.012], [0.5]]), np.full((2, 1), -0.5)
+    target = bootstrapped_gradient(physics.make("MassPoint"), still, critic, starts, actions, GAMMA)
+    np.testing.assert_allclose(target.by_action, [[0.0], [GAMMA * DT]])
+    by_state = -2 * starts / (starts**2 + 1) ** 2 + np.array([[0.0], [GAMMA]])
+    np.testing.assert_allclose(target.by_state, by_state)
 
 
 def test_a_planted_row_carries_its_share() -> None:

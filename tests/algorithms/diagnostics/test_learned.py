@@ -7,7 +7,7 @@ import physics
 from algorithms.diagnostics.learned import LearnedCritic, LearnedPolicy, units
 from algorithms.networks.parameters import initial_theta
 from algorithms.networks.policy import Policies, deterministic
-from algorithms.networks.scaling import Statistics, coordinates_of
+from algorithms.networks.scaling import CLIP, Statistics, coordinates_of
 from algorithms.snapshot import Critic, Inside, Snapshot
 from physics.environment import Environment, FloatArray
 from physics.randomness import generator
@@ -77,3 +77,13 @@ def test_what_no_network_sees_has_no_unit_and_no_slope() -> None:
     assert set(np.flatnonzero(unit == 0)) == set(task.hidden) != set()
     _, jacobian = LearnedPolicy(task, snapshot)(states)
     assert not jacobian[:, :, list(task.hidden)].any()
+
+
+def test_a_clipped_feature_has_no_slope() -> None:
+    task = physics.make("MassPoint")
+    snapshot, _ = drawn(task)
+    policy = snapshot.policy
+    edge = float(policy.mean[0] + CLIP / policy.inverse[0])
+    _, jacobian = LearnedPolicy(task, snapshot)(np.array([[0.99 * edge], [1.01 * edge]]))
+    assert jacobian[0, 0, 0] != 0.0
+    assert jacobian[1, 0, 0] == 0.0

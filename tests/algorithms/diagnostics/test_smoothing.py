@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import physics
 from algorithms.diagnostics.smoothing import Smoothing, compared, smoothing
 from physics.environment import BoolArray, FloatArray
 from physics.randomness import generator
@@ -79,6 +80,24 @@ def test_at_a_jump_the_exact_gradient_lacks_all_of_the_smoothed_one() -> None:
     assert each.exact_std == 0.0
     assert each.norm == pytest.approx(density, rel=0.05)
     assert each.bias == pytest.approx(density, rel=0.05)
+
+
+def thrown(push: tuple[float, float]) -> Smoothing:
+    """Of a ball that the same push drives all the time."""
+    task = physics.make("BallWall")
+
+    def pushing(states: FloatArray) -> tuple[FloatArray, FloatArray]:
+        return np.tile(push, (len(states), 1)), np.zeros((len(states), 2, 4))
+
+    [each] = smoothing(task, pushing, task.initial_states([0]), [32], 0.2, pairs=100, seed=0)
+    return each
+
+
+def test_the_exact_gradient_is_noisy_where_a_throw_may_touch_the_wall() -> None:
+    touching, above = thrown((0.4, 0.4)), thrown((0.4, 1.0))
+    assert touching.exact_std > 5 * above.exact_std
+    assert touching.exact_std > touching.zeroth_std / 2
+    assert above.exact_std < above.zeroth_std / 5
 
 
 def test_numbers_of_known_estimates() -> None:
