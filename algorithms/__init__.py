@@ -1,7 +1,7 @@
-"""The learners, pure of Ray, SQL and HTTP.
+"""The learners, independent of Ray, SQL and HTTP.
 
-Its few public names are loaded when first asked for (PEP 562), so that
-`import algorithms` alone loads neither torch nor numba.
+The public names are loaded on first use (PEP 562), so that `import algorithms` alone loads neither
+torch nor numba.
 """
 
 from importlib import import_module

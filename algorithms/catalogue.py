@@ -1,8 +1,8 @@
 """Catalogue: the algorithms by name.
 
-An installed package adds one of its own through the entry-point group `d3pg.algorithms`: the name,
-and `module:object` of an `Algorithm`. The project's own are listed here; their code is loaded when
-one is asked for.
+An installed package adds an algorithm through the entry-point group `d3pg.algorithms`, with the
+algorithm's name and `module:object` of an `Algorithm`. The project's own are listed here; their
+code is loaded on first use.
 """
 
 from collections.abc import Callable, Mapping
@@ -17,19 +17,20 @@ GROUP = "d3pg.algorithms"
 
 @dataclass(frozen=True)
 class Algorithm:
-    """What is known of an algorithm before its code is loaded.
+    """The description of an algorithm, available without loading its code.
 
     Attributes:
         name: as users write it.
         summary: one line.
         builder: "module:function" of `(environment, seeds, weights, timesteps, config) -> Learner`.
         config: "module:class" of its settings, a frozen pydantic dataclass.
-        uses_weights: whether w1 and w2 mean something to it.
+        uses_weights: whether it uses the weights w1 and w2.
         needs_reward_gradient: whether it refuses tasks whose reward is not differentiable.
         memory: "module:function" of `(environment, weights, timesteps, config) -> bytes` that a run
-            comes to fill; empty where that is next to nothing.
-        extends: name of the algorithm that it is, bit for bit, with weights (0, 0); empty for none.
-        core_seconds: what 1,000 timesteps under the preset cost, by task, until finished runs tell.
+            fills; empty if that is negligible.
+        extends: the algorithm that it equals, bit for bit, with weights (0, 0); empty for none.
+        core_seconds: core-seconds of 1,000 timesteps under the preset, by task; used for estimates
+            until runs have finished.
     """
 
     name: str

@@ -1,7 +1,7 @@
 """Early ends: how one run of a cohort ends before its timesteps, and the others train on.
 
-Whatever goes wrong inside one run is an exception in a call that concerns it alone. A number that
-is not finite ends the run as diverged, anything else as failed.
+An error inside one run is an exception in a call that concerns this run alone. A number that is not
+finite ends the run as diverged, any other error as failed.
 """
 
 from collections.abc import Sequence
@@ -28,7 +28,8 @@ class Divergence:
     Attributes:
         seed: the run's seed.
         timestep: environment steps taken so far.
-        update: number of the update that did it, from 1 on; between two updates, of the later one.
+        update: number of the update in which it happened, from 1 on; between two updates, that of
+            the later one.
         quantity: what is not finite.
     """
 

@@ -1,7 +1,7 @@
 """Failing rows: what to do when one row of a batch raises.
 
-A simulator refuses a whole batch for one such row, but a run must not feel its neighbours: the rows
-to blame are found by halving the batch, and other rows are worked out in their place.
+A simulator refuses a whole batch for one such row, but a run must not depend on its neighbours: the
+rows at fault are found by bisection, and other rows are computed in their place.
 """
 
 import traceback
@@ -42,7 +42,7 @@ def call_rows(
     Args:
         call: computes each row by itself, and raises if it can't compute one of them.
         arrays: with as many rows each.
-        substitutes: the row [rows] that stands in for each that raises; by default one that does
+        substitutes: the row [rows] that replaces each row that raises; by default one that does
             not raise.
 
     Returns:

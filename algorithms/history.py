@@ -52,7 +52,7 @@ class History:
         }
 
     def restore(self, state: State) -> None:
-        """Take up what `state` gave."""
+        """Restore what `state` returned."""
         self.count = int(state["count"])
         self.returns = deque(state["returns"].tolist(), HISTORY)
         self.cost.restore(state)

@@ -20,14 +20,14 @@ class Measurement:
         return_mean: undiscounted return of one episode of the deterministic actor.
         return_history: mean of the latest 100 `return_mean`, of all while there are fewer.
         updates: updates done so far.
-        jacobians: Jacobians of transitions worked out so far, those for diagnostics included.
-        seconds: processor time of training so far: acting and learning. Evaluation, diagnostics
-            and checkpoints are not in it, nor is waiting. What runs trained together do together
-            is shared evenly; the rest is each one's own.
+        jacobians: Jacobians of transitions computed so far, including those for diagnostics.
+        seconds: processor time of training so far: acting and learning, without evaluation,
+            diagnostics, checkpoints and waiting. The cost of what a cohort does together is divided
+            evenly among its runs.
         diagnostics: further numbers by name; NaN where a number does not exist.
-        compile_seconds: processor time so far of compiling kernels and of loading them from the
-            cache, shared evenly by the runs trained together. None of it is in `seconds`. NaN where
-            an earlier version measured: its `seconds` are wall time, compiling and all included.
+        compile_seconds: processor time so far of compiling kernels and loading them from the cache,
+            divided evenly among the runs of a cohort, and not part of `seconds`. NaN for
+            measurements of an earlier version, whose `seconds` are wall time and include it.
     """
 
     seed: int

@@ -1,9 +1,9 @@
-"""Memory: what a run comes to fill, worked out from its settings before anything is built.
+"""Memory: what a run fills, computed from its settings before anything is built.
 
     replay    min(replay_size, timesteps)  x  (8 n + 4 (2 F + m + 2)  [+ 4 (F + 1)(C + m)])
 
 The last term, the derivatives, is there where gradients are matched. Each equals its learner's
-`bytes_per_run`. Nothing here is compiled: whoever asks may train nothing.
+`bytes_per_run`. Nothing here is compiled, so that a process that trains nothing can ask.
 
 Glossary: `F` features, `C` seen coordinates, `m` actions, `n` state size, `T` horizon.
 """
@@ -31,10 +31,10 @@ def bytes_per_run(
     timesteps: int,
     config: Mapping[str, Any],
 ) -> int:
-    """Memory that a run comes to fill; 0 where its algorithm does not say.
+    """Bytes of memory that a run fills; 0 if its algorithm does not say.
 
     Raises:
-        ValueError: for an unknown name or a bad value.
+        ValueError: for an unknown name or an invalid value.
     """
     chosen = catalogue.find(algorithm)
     settings = chosen.config_class()(**completed(algorithm, environment, config))
@@ -66,7 +66,8 @@ def of_episodes(
 def episode_bytes(environment: "Environment", config: GDConfig) -> int:
     """Episodes as they come and stacked, and the network's pass over them."""
     n, m, inputs = environment.state_size, environment.action_size, environment.feature_size
-    one_step = 2 * DOUBLE * (n * (n + 2 * m + 2) + 2 * inputs) + 40 * config.hidden_units
+    units = config.hidden_units * config.hidden_layers
+    one_step = 2 * DOUBLE * (n * (n + 2 * m + 2) + 2 * inputs) + 20 * units
     return one_step * environment.horizon * config.episodes
 
 

@@ -1,7 +1,7 @@
 """Presets: the settings the evaluation uses, per algorithm and task, and what chose them.
 
-A submission that names no setting gets these; the settings that it names stand over them. On a task
-of one's own, a hybrid has weights that hurt on none of the tasks here (`Weights.usual`).
+A submission that names no setting gets these; the settings that it names replace them. On a task of
+your own, a hybrid has weights that hurt on none of the tasks here (`Weights.usual`).
 
 ddpg, sac and their hybrids: the best cell, by the area under the normalised curve, of the search in
 `service/paper/tuning.py`, over seeds that no evaluation uses. results/tuning.csv has every cell,
@@ -105,7 +105,7 @@ TIMESTEPS = {
     "Walker2d": 200_000,
     "BallWall": 60_000,
 }
-"""Of the learners with a replay: enough for ddpg to come to rest."""
+"""Of the learners with a replay: enough for ddpg to converge."""
 
 SETTINGS: Mapping[str, Mapping[str, Mapping[str, Any]]] = {
     "ddpg": {
@@ -225,5 +225,5 @@ def preset(algorithm: str, environment: str) -> Preset:
 
 
 def completed(algorithm: str, environment: str, config: Mapping[str, Any]) -> dict[str, Any]:
-    """The settings of a run: those given, over those of the preset."""
+    """The settings of a run: those of the preset, replaced by those given."""
     return {**preset(algorithm, environment).config, **config}

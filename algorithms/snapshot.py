@@ -12,14 +12,33 @@ import numpy as np
 from numpy.typing import NDArray
 
 from algorithms.networks import network
+from algorithms.networks.activation import NAMED
 from algorithms.networks.layer import Array
-from algorithms.networks.network import Shape
+from algorithms.networks.network import Parameters, Shape
 from algorithms.networks.policy import Policies, Policy
 from algorithms.networks.scaling import normalise
 from algorithms.state import State, part, within
 from physics.kernels.compiled import compiled_fast
 
 FloatArray = NDArray[np.float64]
+
+
+class Inside(NamedTuple):
+    """What the networks of the run are like inside."""
+
+    hidden: tuple[int, ...]
+    """Units of each hidden layer."""
+    activation: str
+
+    def shape(self, inputs: int, outputs: int) -> Shape:
+        """Of a network with so many inputs and outputs."""
+        return Shape(inputs, self.hidden, outputs, NAMED[self.activation])
+
+
+def inside(shape: Shape) -> Inside:
+    """What a network of this shape is like inside."""
+    [activation] = [name for name, each in NAMED.items() if type(each) is type(shape.activation)]
+    return Inside(shape.hidden, activation)
 
 
 class Critic(NamedTuple):
@@ -35,16 +54,15 @@ class Snapshot(NamedTuple):
     """One run's policy and, if it has one, its critic."""
 
     timestep: int
-    hidden: int
-    """Units of each hidden layer."""
     actions: int
     """m"""
+    inside: Inside
     policy: Policy
     critic: Critic | None = None
 
     def policies(self) -> Policies:
         """The policy, ready to act on one state at a time [1, F]."""
-        shape = Shape(self.policy.mean.size, self.hidden, self.actions)
+        shape = self.inside.shape(self.policy.mean.size, self.actions)
         return Policies([self.policy], shape)
 
     def values(self, features: FloatArray, actions: FloatArray) -> FloatArray:
@@ -56,7 +74,7 @@ class Snapshot(NamedTuple):
         if self.critic is None:
             raise ValueError("this run learns no critic: it has no Q to look at")
         q = np.empty(len(features))
-        shape = Shape(self.policy.mean.size + self.actions, self.hidden, 1)
+        shape = self.inside.shape(self.policy.mean.size + self.actions, 1)
         q_rows(self.critic.theta, self.policy, features, actions, shape, q)
         return self.critic.value_mean + self.critic.value_std * q
 
@@ -64,8 +82,9 @@ class Snapshot(NamedTuple):
         """Plain arrays by name; `snapshot_of` undoes it."""
         own = {
             "timestep": np.array(self.timestep),
-            "hidden": np.array(self.hidden),
             "actions": np.array(self.actions),
+            "hidden": np.array(self.inside.hidden),
+            "activation": np.array(self.inside.activation),
         }
         critic = {} if self.critic is None else _arrays(self.critic)
         return own | within("policy", _arrays(self.policy)) | within("critic", critic)
@@ -76,13 +95,21 @@ def snapshot_of(arrays: State) -> Snapshot:
     policy, critic = part(arrays, "policy"), part(arrays, "critic")
     return Snapshot(
         int(arrays["timestep"]),
-        int(arrays["hidden"]),
         int(arrays["actions"]),
+        _inside(arrays),
         Policy(policy["theta"], policy["mean"], policy["inverse"], policy["noise"]),
         critic=Critic(critic["theta"], float(critic["value_mean"]), float(critic["value_std"]))
         if critic
         else None,
     )
+
+
+def _inside(arrays: State) -> Inside:
+    """One number of units is what snapshots had when all networks had two layers of tanh units."""
+    hidden = arrays["hidden"].tolist()
+    if isinstance(hidden, int):
+        return Inside((hidden, hidden), "tanh")
+    return Inside(tuple(hidden), str(arrays["activation"]))
 
 
 def _arrays(parts: Policy | Critic) -> State:
@@ -107,6 +134,6 @@ def q_rows(
             work.x[row, i] = normalise(feature, policy.mean[i], policy.inverse[i])
         for i in range(actions.shape[1]):
             work.x[row, count + i] = np.float32(actions[row, i])
-    network.forward(network.parameters(theta, shape), work)
+    network.forward(Parameters(theta, shape), work)
     for row in range(features.shape[0]):
         result[row] = work.out[row, 0]

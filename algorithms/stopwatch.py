@@ -85,7 +85,7 @@ class Cost:
         }
 
     def restore(self, state: State) -> None:
-        """Take up what `state` gave; what this process has compiled by now comes on top."""
+        """Restore what `state` returned, and add what this process has compiled so far."""
         self.seconds = float(state["seconds"])
         self.compile_seconds += float(state["compile_seconds"])
 

@@ -38,15 +38,14 @@ def train(
         weights: (w1, w2), of the action and state gradient terms; None: the preset's. A hybrid with
             (0, 0) is its baseline, bit for bit, and a warning says so.
         timesteps: environment steps of each run; None: the preset's.
-        config: settings that stand over those of the preset; what neither names is the algorithm's
-            default.
+        config: settings that replace those of the preset; all others are the algorithm's defaults.
 
     Raises:
-        ValueError: for an unknown name or a bad value; it says what was expected.
-        DivergedError: at the end, if any run diverged; the others were trained to their end.
-        FailedRunsError: at the end, if code raised in any run; so were the others.
+        ValueError: for an unknown name or an invalid value; it says what was expected.
+        DivergedError: at the end, if runs diverged; the others were trained to their end.
+        FailedRunsError: at the end, if code raised in some runs; the others were trained to theirs.
 
-    The first use on a machine compiles kernels for some seconds, and says so on stderr.
+    The first use on a machine compiles kernels, and says so on stderr.
     """
     measurements = _measurements(algorithm, environment, seeds, weights, timesteps, config)
     return noticed(measurements, f"{algorithm} on {environment}")
@@ -86,7 +85,7 @@ def build(
     timesteps: int | None = None,
     config: Mapping[str, Any] | None = None,
 ) -> Learner:
-    """The learner that `train` advances; same arguments and errors."""
+    """Build the learner that `train` advances; same arguments, and the same ValueError."""
     return prepare(algorithm, environment, seeds, weights, timesteps, config)()
 
 
@@ -98,7 +97,10 @@ def prepare(
     timesteps: int | None = None,
     config: Mapping[str, Any] | None = None,
 ) -> Callable[[], Learner]:
-    """What builds the learner, the arguments checked: from there on kernels may compile."""
+    """Check the arguments and return a function that builds the learner.
+
+    Same arguments and ValueError as `train`. Only the returned function may compile kernels.
+    """
     chosen, task = catalogue.find(algorithm), physics.make(environment)
     usual = preset(algorithm, environment)
     steps = usual.timesteps if timesteps is None else timesteps

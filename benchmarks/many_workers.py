@@ -18,10 +18,10 @@ from pathlib import Path
 from benchmarks.simulated.pool import POINTS, PretendedPool
 from benchmarks.simulated.processor_time import ProcessorTime
 from service.queue.dispatch import Dispatcher
-from service.queue.scheduler import DispatchTimes
+from service.queue.dispatch_state import DispatchTimes
 from service.store.store import Store
 from tests.service.store.postgresql import running_postgresql
-from workers.messages.run_spec import COHORT_LIMIT, RunSpec
+from workers.messages.run_spec import COHORT_LIMIT, RunSpec, Weights
 
 WORKERS = (10, 100, 1000)
 QUEUED = 100_000
@@ -138,7 +138,7 @@ def submit(store: Store) -> None:
     """Queue all runs, in several sweeps, and as many again as are running when it is measured."""
     cells = QUEUED * 6 // 5 // SWEEPS // COHORT_LIMIT
     specs = [
-        RunSpec("ddpg", "Pendulum", seed, (float(cell), 0.0))
+        RunSpec("ddpg", "Pendulum", seed, Weights(float(cell)))
         for cell in range(cells)
         for seed in range(COHORT_LIMIT)
     ]

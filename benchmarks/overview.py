@@ -32,7 +32,7 @@ from service.settings import Settings
 from service.store.store import Store
 from workers.messages.progress import Progress
 from workers.messages.random_return import RandomReturn
-from workers.messages.run_spec import RunSpec
+from workers.messages.run_spec import RunSpec, Weights
 
 TOKEN = "token-of-the-benchmark-0000"  # noqa: S105
 TASKS = (
@@ -40,9 +40,10 @@ TASKS = (
     "HalfCheetah",
 )  # fmt: skip
 CURVES = (
-    ("ddpg", (0.0, 0.0)), ("hybrid-ddpg", (1.0, 0.0)), ("hybrid-ddpg", (0.1, 0.01)),
-    ("hybrid-ddpg-cosine", (1.0, 1.0)), ("sac", (0.0, 0.0)), ("hybrid-sac", (1.0, 0.0)),
-    ("gd", (0.0, 0.0)), ("mpc", (0.0, 0.0)),
+    ("ddpg", Weights()), ("hybrid-ddpg", Weights(1.0, 0.0)), ("hybrid-ddpg", Weights(0.1, 0.01)),
+    ("hybrid-ddpg-cosine", Weights(1.0, 1.0)),
+    ("sac", Weights()), ("hybrid-sac", Weights(1.0, 0.0)),
+    ("gd", Weights()), ("mpc", Weights()),
 )  # fmt: skip
 SEEDS = 16
 POINTS = 250

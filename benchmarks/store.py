@@ -20,7 +20,7 @@ from service.store.reading import diagnostics
 from service.store.store import Store
 from tests.service.store.postgresql import running_postgresql
 from workers.messages.progress import Progress
-from workers.messages.run_spec import COHORT_LIMIT, RunSpec
+from workers.messages.run_spec import COHORT_LIMIT, RunSpec, Weights
 
 LEASE_SECONDS = 600.0
 ROUNDS = 5
@@ -58,7 +58,7 @@ def submit_seconds(store: Store, runs: int) -> float:
     """How long it takes until a sweep of so many runs is durable."""
     cells = runs // COHORT_LIMIT
     specs = [
-        RunSpec("ddpg", "Pendulum", seed, (float(cell), 0.0))
+        RunSpec("ddpg", "Pendulum", seed, Weights(float(cell)))
         for cell in range(cells)
         for seed in range(COHORT_LIMIT)
     ]

@@ -17,13 +17,13 @@ from multiprocessing.synchronize import Barrier
 from pathlib import Path
 
 from workers.messages.assignment import Assignment
-from workers.messages.run_spec import COHORT_LIMIT, RunSpec
+from workers.messages.run_spec import COHORT_LIMIT, RunSpec, Weights
 from workers.training.execute import execute
 
 TIMESTEPS = 20_000
 ROUNDS = 3
 NEWS_SECONDS = 0.05
-WEIGHTS = (0.1, 0.1)
+WEIGHTS = Weights(0.1, 0.1)
 
 _start: Barrier | None = None  # of a process
 
@@ -58,7 +58,7 @@ def train(timesteps: int) -> float:
     specs = [
         RunSpec("hybrid-ddpg", "Pendulum", seed, WEIGHTS, timesteps) for seed in range(COHORT_LIMIT)
     ]
-    runs = [Assignment(f"run-{spec.seed}", 1, spec) for spec in specs]
+    runs = [Assignment(f"run-{spec.seed}", 1, spec, 1) for spec in specs]
     assert _start is not None
     _start.wait()
     with tempfile.TemporaryDirectory() as folder:

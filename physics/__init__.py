@@ -1,7 +1,7 @@
-"""The tasks: exact simulators, their derivatives, their Gymnasium face.
+"""The tasks: simulators with exact derivatives, for NumPy, torch and Gymnasium.
 
-`make`, `names`, `compile_kernels` and `torch_step` are loaded when first asked for (PEP 562), so
-that `import physics` alone loads neither torch nor numba. Gymnasium is told of the tasks when
+`make`, `names`, `compile_kernels` and `torch_step` are loaded on first use (PEP 562), so that
+`import physics` alone loads neither torch nor numba. The tasks are registered with Gymnasium when
 someone imports it, before or after this package.
 """
 

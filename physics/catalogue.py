@@ -31,7 +31,7 @@ OWN = {
 
 
 def names() -> list[str]:
-    """Every task's name: the project's own, then those of installed packages."""
+    """The names of all tasks: the project's own, then those of installed packages."""
     return [
         *OWN,
         *sorted(entry.name for entry in entry_points(group=GROUP) if entry.name not in OWN),
@@ -41,10 +41,12 @@ def names() -> list[str]:
 def make(name: str) -> "Environment":
     """Make the task of that name.
 
+    Args:
+        name: a name that `names()` lists.
+
     Raises:
         ValueError: for an unknown name, naming the nearest known one; for an installed task that
-            cannot be made, with all that is wrong with it, or calls itself otherwise than its
-            entry point.
+            cannot be made, with all its mistakes, or whose name differs from its entry point's.
     """
     entry = _entry(name)
     try:
@@ -65,8 +67,11 @@ def make(name: str) -> "Environment":
 def compile_kernels(names: Iterable[str]) -> Iterator[tuple[str, float]]:
     """Compile the kernels of these tasks one after the other, yielding (name, seconds) of each.
 
-    The first use on a machine takes seconds a task, later ones load from disk: whoever is about to
-    make someone wait can show progress.
+    The first use on a machine takes seconds a task; later uses load the kernels from disk. A
+    program can call this ahead, and show progress.
+
+    Raises:
+        ValueError: as `make`.
     """
     for name in names:
         yield name, make(name).compile()

@@ -16,7 +16,7 @@ ROUNDING = 1e-6
 
 
 class RowsError(ValueError):
-    """Something wrong with some rows of a batch.
+    """An error in some rows of a batch.
 
     Attributes:
         rows: which ones.
@@ -33,7 +33,7 @@ class RowsError(ValueError):
 
 
 class NotFiniteError(RowsError):
-    """A NaN or an infinity in what a step was given, or in what came out of it.
+    """A NaN or an infinity in the input or the result of a step.
 
     Attributes:
         rows: which ones.
@@ -50,7 +50,7 @@ class NotFiniteError(RowsError):
 
 
 class DomainError(RowsError):
-    """States outside the task's domain, where a step would be no motion of it."""
+    """States outside the task's domain, such as beyond a wall."""
 
 
 class Domain:

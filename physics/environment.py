@@ -66,6 +66,7 @@ class Linearization(NamedTuple):
     """One step of each row of a batch, with its exact derivatives."""
 
     transition: Transition
+    """The step itself, bit for bit as `Environment.step` returns it."""
     state_jacobian: FloatArray
     """[batch, n, n], `J[i, j] = d next_state_i / d state_j`."""
     action_jacobian: FloatArray
@@ -92,22 +93,25 @@ class UnsolvedStepError(ArithmeticError):
 
 
 class Environment(metaclass=CheckedWhenMade):
-    """A task: its constants, its dynamics, its derivatives, what a network sees of it.
+    """A task: its constants, dynamics, derivatives and features.
 
     An instance holds no state: all its methods are pure.
     """
 
     name: ClassVar[str]
+    """As users write it, and as its entry point is named."""
     version: ClassVar[int]
     """Raised whenever the task's numbers change; stored results carry it."""
     state_size: ClassVar[int]
+    """n, the coordinates of a state."""
     action_size: ClassVar[int]
+    """m, the components of an action."""
     horizon: ClassVar[int]
     """Steps after which an episode is truncated."""
     max_reward: ClassVar[float]
     """The `max(r)` of the normalised return."""
     step_seconds: ClassVar[float] = 1 / 30
-    """Seconds of a step, as it is played; the default is for tasks that know no seconds."""
+    """Seconds of a step when an episode is played; the default is for tasks without a time unit."""
     reward_is_differentiable: ClassVar[bool] = True
     """If False, the reward is piecewise constant and its gradients are 0."""
     angles: ClassVar[Mapping[int, int]] = MappingProxyType({})
@@ -115,12 +119,12 @@ class Environment(metaclass=CheckedWhenMade):
     hidden: ClassVar[tuple[int, ...]] = ()
     """Coordinates that no network sees."""
     bounds: ClassVar[Mapping[int, tuple[float, float]]] = MappingProxyType({})
-    """Coordinate -> its least and greatest value: no step leads beyond, and none starts there."""
+    """Coordinate -> its least and greatest value: no step starts or ends beyond them."""
     rounding: ClassVar[float] = 1e-15
-    """How far rounding moves the numbers of a step: no difference says more than this over its
-    width. The default is for numbers of order 1 to 10 that nothing amplifies."""
+    """Size of the rounding errors in the numbers of a step. The gradient audit ignores differences
+    so narrow that these matter. The default is for numbers of order 1 to 10."""
     regimes: ClassVar[tuple[str, ...]] = ("free", "clipped")
-    """The kinds of step that the gradient audit reports apart."""
+    """The kinds of step that the gradient audit reports separately."""
 
     step_kernel: Callable[..., int]
     """`(s, a, *transition)` fills the transition's arrays and returns -1, or the first row that
@@ -197,7 +201,8 @@ class Environment(metaclass=CheckedWhenMade):
         """Start states [len(seeds), n]; row i depends on `seeds[i]` alone.
 
         Raises:
-            ValueError: for a seed that is none, and for a start state that no step may begin with.
+            ValueError: for a seed that is not an integer from 0 on, and for a start state outside
+                the task's domain.
         """
         states = np.empty((len(seeds), self.state_size))
         for row, seed in enumerate(seeds):
@@ -207,14 +212,14 @@ class Environment(metaclass=CheckedWhenMade):
         return states
 
     def outside(self, states: FloatArray) -> BoolArray:
-        """Which states [batch] no step may begin with: beyond `bounds`, rounding aside.
+        """Which states [batch] are outside the task's domain: beyond `bounds`, except for rounding.
 
         A task whose domain has another shape overrides this and `check_inside`.
         """
         return self._domain.outside(states)
 
     def check_inside(self, states: FloatArray, actions: FloatArray) -> None:
-        """Nothing, if a step may begin with all of these rows.
+        """Refuse rows from which no step may start.
 
         Raises:
             NotFiniteError, DomainError: as `step`.
@@ -222,7 +227,7 @@ class Environment(metaclass=CheckedWhenMade):
         self._domain.check(states, actions)
 
     def function_mistakes(self) -> list[str]:
-        """What is wrong with the functions that make up the task, told as it is made."""
+        """The mistakes in the task's functions, one sentence each; checked when it is made."""
         return []
 
     def features(self, states: Array) -> Array:
@@ -244,7 +249,7 @@ class Environment(metaclass=CheckedWhenMade):
         return self.feature_map.sources
 
     def pieces(self, states: FloatArray, actions: FloatArray) -> Pieces:
-        """On which smooth piece of the map each step lies: no difference across a kink is fair.
+        """The smooth piece of the map on which each step lies; the audit compares within one.
 
         A task with more kinks than the action's clip (walls, wraps, contacts) overrides this.
         """
@@ -255,15 +260,16 @@ class Environment(metaclass=CheckedWhenMade):
     def sample(self, generator: np.random.Generator, count: int) -> tuple[FloatArray, FloatArray]:
         """States [count, n] and actions [count, m] that reach every regime, for the audit.
 
-        By default: where policies of every kind come, with a sixth of the actions outside the box.
+        By default, states that random, bang-bang and constant actions reach, with a sixth of the
+        actions outside the box.
         """
         return explore(self, generator, count)
 
     def contact_impulses(self, states: FloatArray, actions: FloatArray) -> list[FloatArray]:
-        """The impulses that contacts give during each row's step, for whoever draws them.
+        """The impulses of the contacts during each row's step, to be drawn.
 
-        One array [k, 4] a row, `(x, y, px, py)`: where a contact is, in the drawing's metres, and
-        the impulse that it gives to the moving body (N s). By default a task has no contacts.
+        One array [k, 4] a row, `(x, y, px, py)`: the position of a contact in the drawing, in
+        metres, and its impulse on the moving body, in N s. By default a task has no contacts.
 
         Raises:
             ValueError, UnsolvedStepError: as `step`.
@@ -274,7 +280,7 @@ class Environment(metaclass=CheckedWhenMade):
     def compile(self) -> float:
         """Compile every kernel, or load it from the cache; return the seconds it took.
 
-        Without this call the first `step` and `differentiate` do the same, silently.
+        Without this call, the first `step` and the first `differentiate` do the same.
         """
         start = time.perf_counter()
         states, actions = np.empty((0, self.state_size)), np.empty((0, self.action_size))
@@ -284,7 +290,7 @@ class Environment(metaclass=CheckedWhenMade):
         return time.perf_counter() - start
 
     def failure(self, state: FloatArray, action: FloatArray) -> Exception:
-        """The error for a row that the kernels could not solve; tasks say more where they can."""
+        """The error for a row that the kernels could not solve; a task may override it."""
         return UnsolvedStepError(
             f"{self.name}: no solution for state {state.tolist()}, action {action.tolist()}"
         )

@@ -1,9 +1,9 @@
-"""Exploration: where policies of every kind come, for whoever needs a task's states.
+"""Exploration: states of a task that policies of every kind reach.
 
 Rollouts under four kinds of policy, a quarter each: random actions, bang-bang ones at random,
-bang-bang ones held for a while, and constant ones at a bound, which is what trained policies come
-to. They go on beyond the horizon, so that slow limits are reached too, and begin anew where an
-episode ends.
+bang-bang ones held for a while, and constant ones at a bound, as trained policies have. They
+continue beyond the horizon, so that slow limits are reached too, and start again when an episode
+ends.
 """
 
 from typing import TYPE_CHECKING

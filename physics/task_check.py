@@ -1,7 +1,7 @@
 """Task check: what a task declares, held against what every task must; all mistakes at once.
 
-Every task is checked when it is made, so that a slip is told by its name and not by the shape of an
-array in some worker.
+Every task is checked when it is made, so that a mistake is named here and does not appear as the
+shape of an array in some worker.
 """
 
 import re

@@ -18,7 +18,7 @@ import os
 import time
 import uuid
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Literal, Self, TypeVar
@@ -27,9 +27,10 @@ import httpx2
 from pydantic import BaseModel
 
 from service.analysis.figures.figure_form import Form
-from service.analysis.figures.paper_figure import Number
+from service.analysis.figures.paper_figure import FigureNumber
 from service.api.schemas.curves_answer import CurvesAnswer
 from service.api.schemas.measurements_answer import MeasurementsAnswer
+from service.api.schemas.number import unsayable
 from service.api.schemas.page import Page
 from service.api.schemas.readiness_answer import ReadinessAnswer
 from service.api.schemas.rollout_answer import RolloutAnswer
@@ -39,31 +40,38 @@ from service.api.schemas.statistics_answer import StatisticsAnswer
 from service.api.schemas.sweep_answer import DryRunAnswer, SweepAnswer
 from service.api.schemas.sweep_request import SweepRequest
 from service.model.move import Move
+from service.model.run_name import is_run
 
 API = "/api/v1"
 
 Option = str | bool | int
+TableText = Literal["csv", "markdown", "latex"]
 Answer = TypeVar("Answer", bound=BaseModel)
 Request = SweepRequest | Mapping[str, Any]
 
 
 class ServiceError(Exception):
-    """The service refused a call or did not answer; the message says why and what to do."""
+    """The service refused a call or did not answer; the message says why and what to do.
+
+    Attributes:
+        status: the HTTP status; None where no answer came.
+    """
 
     def __init__(self, message: str, status: int | None = None) -> None:
-        """`status` is the HTTP status, None where no answer came."""
+        """Keep the message and the status."""
         super().__init__(message)
         self.status = status
 
 
 class SubmissionNotice(UserWarning):
-    """A submitted sweep holds something that its author may not have meant."""
+    """A warning: a submitted sweep contains something that its author may not have meant."""
 
 
 def find_token() -> str:
     """The service's token: `D3PG_TOKEN`, else the file `token` in `D3PG_DATA_DIR` (./d3pg-data).
 
-    Raises ServiceError where neither is there.
+    Raises:
+        ServiceError: if neither is there.
     """
     if token := os.environ.get("D3PG_TOKEN"):
         return token
@@ -81,14 +89,28 @@ def find_token() -> str:
 class Client:
     """A connection to one service; usable as a context manager.
 
-    `url` defaults to `D3PG_URL`, else this machine's port `D3PG_PORT` (8000); `token` to that of
-    `find_token`.
+    Every method that calls the service raises `ServiceError` if the service refuses the call or
+    does not answer.
+
+    Attributes:
+        url: the service's address.
+        token: the access token.
     """
 
     def __init__(
         self, url: str | None = None, token: str | None = None, timeout_seconds: float = 60.0
     ) -> None:
-        """Open no connection yet: the first call does."""
+        """Make a client; the first call opens the connection.
+
+        Args:
+            url: the service's address; by default `D3PG_URL`, else port `D3PG_PORT` (8000) of this
+                machine.
+            token: the access token; by default that of `find_token`.
+            timeout_seconds: how long each call waits for the service.
+
+        Raises:
+            ServiceError: if no token is given or found.
+        """
         here = f"http://127.0.0.1:{os.environ.get('D3PG_PORT') or 8000}"
         self.url = url or os.environ.get("D3PG_URL") or here
         self.token = token or find_token()
@@ -116,11 +138,20 @@ class Client:
         self._http.close()
 
     def submit(self, request: Request, key: str | None = None) -> SweepAnswer:
-        """Queue a sweep; answers it with its id once every run is stored.
+        """Queue a sweep and return it, with its id, once every run is stored.
 
-        `key` is a text of your own: whoever submits again under it gets the same sweep. Left out,
-        each call is a sweep of its own. An answer that was lost on the way is asked for once more.
-        What the service has to remark (`notices` of the answer) is a warning, `SubmissionNotice`.
+        If the answer is lost on the way, the call is repeated once, and queues nothing twice.
+
+        Args:
+            request: the sweep; a mapping has the fields of `SweepRequest`.
+            key: any text; a second submission with the same key returns the first sweep. By default
+                each call queues a new sweep.
+
+        Raises:
+            ServiceError: if the sweep is invalid; the message lists every mistake.
+
+        Warns:
+            SubmissionNotice: for each of the answer's `notices`.
         """
         body, headers = as_json(request), {"Idempotency-Key": key or uuid.uuid4().hex}
         try:
@@ -135,67 +166,94 @@ class Client:
         return sweep
 
     def estimate(self, request: Request) -> DryRunAnswer:
-        """What `submit` would queue, and about what it would cost, without queueing it."""
+        """The runs that `submit` would queue, and their estimated cost; queues nothing."""
         dry = self._call("POST", "/sweeps", json=as_json(request), params={"dry_run": True})
         return DryRunAnswer.model_validate_json(dry.content)
 
     def sweep(self, sweep_id: str) -> SweepAnswer:
-        """A sweep: its status, counts of runs, progress and ETA."""
+        """A sweep: status, numbers of runs by status, progress in [0, 1] and ETA in seconds."""
         return self._get(SweepAnswer, f"/sweeps/{sweep_id}")
 
     def sweeps(self) -> Iterator[SweepAnswer]:
-        """All sweeps, newest first."""
+        """All sweeps, newest first; fetched page by page while you iterate."""
         return self._pages(Page[SweepAnswer], "/sweeps")
 
     def run(self, run_id: str) -> RunAnswer:
-        """One run."""
+        """One run, by its id (`<sweep>-<number>`)."""
         return self._get(RunAnswer, f"/runs/{run_id}")
 
     def runs(self, sweep_id: str, **filters: Option) -> Iterator[ListedRunAnswer]:
-        """The runs of a sweep; filters as in `GET /sweeps/{id}/runs` (`status="failed"`)."""
+        """The runs of a sweep, fetched page by page while you iterate.
+
+        Args:
+            sweep_id: the sweep.
+            filters: query parameters of `GET /sweeps/{id}/runs`, such as `status="failed"`.
+        """
         return self._pages(Page[ListedRunAnswer], f"/sweeps/{sweep_id}/runs", **filters)
 
     def attempts(self, run_id: str) -> list[AttemptAnswer]:
-        """How often a run was claimed, and how each attempt ended."""
+        """The attempts of a run, oldest first, with how each one ended."""
         answer = self._call("GET", f"/runs/{run_id}/attempts").json()
         return [AttemptAnswer.model_validate(attempt) for attempt in answer]
 
     def move(self, identifier: str, move: Move) -> SweepAnswer | RunAnswer:
-        """Cancel, pause, resume or retry a sweep, or a single run (`<sweep>-<number>`)."""
+        """Cancel, pause, resume or retry a sweep, or a single run.
+
+        Args:
+            identifier: a sweep's id, or a run's (`<sweep>-<number>`).
+            move: "cancel", "pause", "resume" or "retry".
+
+        Returns:
+            The sweep or the run afterwards.
+        """
         answer = self._call("POST", f"{path_of(identifier)}/{move}").content
         if is_run(identifier):
             return RunAnswer.model_validate_json(answer)
         return SweepAnswer.model_validate_json(answer)
 
     def measurements(self, run_id: str) -> MeasurementsAnswer:
-        """Every measurement of a run, column by column."""
+        """Every measurement of a run, as columns of equal length."""
         return self._get(MeasurementsAnswer, f"/runs/{run_id}/measurements")
 
     def measurements_csv(self, run_id: str) -> str:
-        """Every measurement of a run as CSV, which has NaN and infinity too."""
+        """Every measurement of a run as CSV, including NaN and infinity."""
         path, params = f"/runs/{run_id}/measurements", {"format": "csv"}
         return self._call("GET", path, params=params).text
 
     def measurement_rows(self, run_id: str) -> list[dict[str, str]]:
-        """The same, a row a measurement; its numbers as text, with all their digits."""
+        """Every measurement of a run as rows; numbers are text with all their digits."""
         return list(csv.DictReader(io.StringIO(self.measurements_csv(run_id))))
 
     def curves(self, sweep_id: str, **options: Option) -> CurvesAnswer:
-        """Mean and band over seeds; options as in `GET /sweeps/{id}/curves`."""
+        """Mean and band over seeds of every entry in every task.
+
+        Args:
+            sweep_id: the sweep.
+            options: query parameters of `GET /sweeps/{id}/curves`, such as `metric="return_mean"`,
+                `normalized=True`, `band="ci95"` or `seeds=True`.
+        """
         return self._get(CurvesAnswer, f"/sweeps/{sweep_id}/curves", **options)
 
     def table(self, sweep_id: str, **options: Option) -> ScoreTableAnswer:
-        """What every entry reached in every task; options as in `GET /sweeps/{id}/table`."""
+        """The score of every entry in every task.
+
+        Args:
+            sweep_id: the sweep.
+            options: query parameters of `GET /sweeps/{id}/table`, such as `score="area"`.
+        """
         return self._get(ScoreTableAnswer, f"/sweeps/{sweep_id}/table", **options)
 
     def statistics(self, sweep_id: str, **options: Option) -> StatisticsAnswer:
-        """What a sweep says of its entries over all tasks; options as in the REST call."""
+        """Statistics of the entries over all tasks, each with its interval and definition.
+
+        Args:
+            sweep_id: the sweep.
+            options: query parameters of `GET /sweeps/{id}/statistics`.
+        """
         return self._get(StatisticsAnswer, f"/sweeps/{sweep_id}/statistics", **options)
 
-    def table_text(
-        self, sweep_id: str, form: Literal["csv", "markdown", "latex"], **options: Option
-    ) -> str:
-        """The same table, written."""
+    def table_text(self, sweep_id: str, form: TableText, **options: Option) -> str:
+        """The table of `table` as text: CSV, Markdown or LaTeX; same options."""
         path, params = f"/sweeps/{sweep_id}/table", {**options, "format": form}
         return self._call("GET", path, params=params).text
 
@@ -203,19 +261,27 @@ class Client:
         self,
         sweep_id: str,
         form: Form = "png",
-        number: Number | None = None,
+        number: FigureNumber | None = None,
         **options: Option,
     ) -> bytes:
-        """A figure as a file's bytes: every curve of the sweep, or one of the paper's figures."""
+        """A figure as the bytes of a file.
+
+        Args:
+            sweep_id: the sweep.
+            form: "png", "svg" or "pdf".
+            number: which of the paper's figures, "2" to "6"; by default every curve of the sweep.
+            options: query parameters of `GET /sweeps/{id}/plot.{form}` or
+                `GET /sweeps/{id}/figures/{number}.{form}`.
+        """
         name = f"plot.{form}" if number is None else f"figures/{number}.{form}"
         return self._call("GET", f"/sweeps/{sweep_id}/{name}", params=options).content
 
     def rollout(self, run_id: str, seed: int = 0) -> RolloutAnswer:
-        """An episode of what a run has learned, from the start that its task draws for a seed."""
+        """An episode of a run's learned policy, from the start that the task draws for `seed`."""
         return self._get(RolloutAnswer, f"/runs/{run_id}/rollout", seed=seed)
 
     def readiness(self) -> ReadinessAnswer:
-        """What `/readyz` says of database and cluster, ready or not."""
+        """The state of database and cluster (`/readyz`), whether they are ready or not."""
         answer = self._call("GET", "/readyz", allowed=(503,), prefix="")
         return ReadinessAnswer.model_validate_json(answer.content)
 
@@ -226,9 +292,17 @@ class Client:
         progressed: Callable[[SweepAnswer], None] | None = None,
         poll_seconds: float = 1.0,
     ) -> SweepAnswer:
-        """Block until every run of a sweep has ended; calls `progressed` (if given) at each look.
+        """Block until every run of a sweep has ended, also while the service does not answer.
 
-        A service that is away for a moment is waited for. Raises TimeoutError.
+        Args:
+            sweep_id: the sweep.
+            timeout_seconds: how long to wait at most.
+            progressed: called with the sweep after each poll.
+            poll_seconds: time between two polls.
+
+        Raises:
+            TimeoutError: if the sweep has not ended in time.
+            ServiceError: if the service refuses the call, such as for an unknown sweep.
         """
         deadline = time.monotonic() + timeout_seconds
         while True:
@@ -279,15 +353,19 @@ class Client:
 
 
 def as_json(request: Request) -> dict[str, Any]:
-    """What is posted: of a model the fields that were set, a mapping as it stands."""
+    """What is posted: of a model the fields that were set, a mapping as it stands.
+
+    Raises ServiceError, with every value that JSON cannot say.
+    """
     if isinstance(request, SweepRequest):
         return request.model_dump(mode="json", exclude_unset=True)
+    try:
+        faults = list(unsayable("", request))
+    except RecursionError:
+        raise ServiceError("The request contains itself.") from None
+    if faults:
+        raise ServiceError(faults_text(faults))
     return dict(request)
-
-
-def is_run(identifier: str) -> bool:
-    """Whether an id is a run's (`<sweep>-<number>`) and not a sweep's."""
-    return "-" in identifier
 
 
 def path_of(identifier: str) -> str:
@@ -309,10 +387,17 @@ def problem_text(response: httpx2.Response) -> str:
     except ValueError:
         return f"The service answered {response.status_code}: {response.text[:500]}"
     faults = [
-        f"  {error.get('field') or error.get('pointer') or ''}: {error.get('message', error)}"
+        f"{error.get('field') or error.get('pointer') or ''}: {error.get('message', error)}"
         for error in problem.get("errors") or []
         if isinstance(error, dict)
     ]
     if len(faults) > 1:  # the detail is the first of them
-        return "\n".join([f"{len(faults)} things are wrong:", *faults])
+        return faults_text(faults)
     return str(problem.get("detail") or problem.get("title") or response.status_code)
+
+
+def faults_text(faults: Sequence[str]) -> str:
+    """What is wrong with a request: one thing in a line, several in a list."""
+    if len(faults) == 1:
+        return faults[0]
+    return "\n".join([f"{len(faults)} things are wrong:", *(f"  {fault}" for fault in faults)])

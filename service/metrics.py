@@ -51,7 +51,7 @@ class Counts(Protocol):
         """How many attempts there were by outcome."""
 
 
-class Standing(Collector):
+class PresentState(Collector):
     """How queue, workers and streams stand at the moment of asking."""
 
     def __init__(self, counts: Counts, workers: Mapping[str, bool], streams: int) -> None:

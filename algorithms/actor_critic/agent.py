@@ -22,23 +22,19 @@ from algorithms.matching.diagnostics import (
 )
 from algorithms.networks import network
 from algorithms.networks.layer import Array
-from algorithms.networks.network import Shape
+from algorithms.networks.network import HiddenSettings, Shape
 from algorithms.networks.optimizer import Learned
 from algorithms.networks.policy import Policy, deterministic
 from algorithms.networks.scaling import Coordinates, Scaling, Statistics
 from algorithms.networks.value_scale import UnitChange, move_value_scale
-from algorithms.snapshot import Critic, Snapshot
+from algorithms.snapshot import Critic, Snapshot, inside
 from algorithms.state import State, part, within
 from physics.environment import Environment
 from physics.randomness import generator
 
 
-class Settings(Protocol):
+class Settings(HiddenSettings, Protocol):
     """The settings that every off-policy learner has (algorithms.settings)."""
-
-    @property
-    def hidden_units(self) -> int:
-        """Units of each hidden layer."""
 
     @property
     def batch_size(self) -> int:
@@ -252,8 +248,8 @@ class Agent:
         policy, m = self.policy(), self._environment.action_size
         return Snapshot(
             timestep,
-            self._config.hidden_units,
             m,
+            inside(self.actor_shape),
             policy._replace(theta=network.first_outputs(policy.theta, self.actor_shape, m)),
             Critic(
                 self._actor_critic.critic.theta, statistics.value_mean / c, statistics.value_std / c

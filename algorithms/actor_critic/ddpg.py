@@ -157,8 +157,8 @@ def shapes_of(environment: Environment, config: DDPGConfig) -> tuple[Shape, Shap
     """The sizes of the actor and of the critic."""
     features, actions = environment.feature_size, environment.action_size
     return (
-        Shape(features, config.hidden_units, actions),
-        Shape(features + actions, config.hidden_units, 1),
+        network.shape_of(features, actions, config),
+        network.shape_of(features + actions, 1, config),
     )
 
 

@@ -118,24 +118,24 @@ def update(
     """
     actor_shape, critic_shape = shapes
     work = new_work(memory, learned_actor, learned_critic, indices.shape[1], shapes)
-    pi = network.parameters(learned_actor.theta, actor_shape)
-    q = network.parameters(learned_critic.theta, critic_shape)
-    pi_target = network.parameters(learned_actor.target, actor_shape)
-    q_target = network.parameters(learned_critic.target, critic_shape)
-    pi_gradient = network.parameters(work.actor_gradient, actor_shape)
-    q_gradient = network.parameters(work.fit.theta_gradient, critic_shape)
+    pi = Parameters(learned_actor.theta, actor_shape)
+    q = Parameters(learned_critic.theta, critic_shape)
+    pi_target = Parameters(learned_actor.target, actor_shape)
+    q_target = Parameters(learned_critic.target, critic_shape)
+    pi_gradient = Parameters(work.actor_gradient, actor_shape)
+    q_gradient = Parameters(work.fit.theta_gradient, critic_shape)
     fit, decayed = work.fit, network.decayed_size(critic_shape)
     for u in range(indices.shape[0]):
         replay.draw(memory, indices[u], scaling, work.batch)
         bellman.target_value(
-            pi_target, q_target, work.batch, rates.gamma, scaling,
-            work.actor, fit.critic, work.actions, fit.value,
+            pi_target, (q_target,), work.batch, rates.gamma, scaling,
+            work.actor, (fit.critic,), work.actions, fit.value,
         )  # fmt: skip
         if losses.is_matched(matching):
             replay.draw_derivatives(memory, indices[u], coordinates, scaling, work.batch)
             bellman.target_gradient(
-                pi_target, q_target, work.batch, rates.gamma,
-                work.actor, fit.critic, work.actions, fit.target,
+                pi_target, (q_target,), work.batch, rates.gamma,
+                work.actor, (fit.critic,), work.actions, fit.target,
             )  # fmt: skip
             report.critic_loss[u], report.gradient_loss[u] = critic.matched_fit(
                 q, work.batch, coordinates, matching, fit, q_gradient
@@ -175,7 +175,7 @@ def actor_gradient(pi: Parameters, q: Parameters, work: Work, result: Parameters
     network.backward_to_input(q, work.fit.critic)
     actor.pull_back(work.actions, work.fit.critic.x_bar, work.batch.x.shape[1], work.actor)
     network.backward(pi, work.actor)
-    network.gradient(work.actor, result)
+    network.gradient(pi, work.actor, result)
 
 
 @compiled_fast
@@ -209,16 +209,23 @@ def gradient_pair(
     fit = work.fit
     replay.draw(memory, indices, scaling, work.batch)
     replay.draw_derivatives(memory, indices, coordinates, scaling, work.batch)
-    pi_target = network.parameters(learned_actor.target, actor_shape)
-    q_target = network.parameters(learned_critic.target, critic_shape)
+    pi_target = Parameters(learned_actor.target, actor_shape)
+    q_target = Parameters(learned_critic.target, critic_shape)
     bellman.target_value(
-        pi_target, q_target, work.batch, gamma, scaling,
-        work.actor, fit.critic, work.actions, fit.value,
+        pi_target, (q_target,), work.batch, gamma, scaling,
+        work.actor, (fit.critic,), work.actions, fit.value,
     )  # fmt: skip
     bellman.target_gradient(
-        pi_target, q_target, work.batch, gamma, work.actor, fit.critic, work.actions, fit.target
+        pi_target,
+        (q_target,),
+        work.batch,
+        gamma,
+        work.actor,
+        (fit.critic,),
+        work.actions,
+        fit.target,
     )
     critic.own_gradient(
-        network.parameters(learned_critic.theta, critic_shape), work.batch, coordinates, fit
+        Parameters(learned_critic.theta, critic_shape), work.batch, coordinates, fit
     )
     return fit.gradient, fit.target

@@ -25,7 +25,7 @@ from algorithms.experience.replay import Memory
 from algorithms.networks import network
 from algorithms.networks.actor import choose
 from algorithms.networks.layer import Array
-from algorithms.networks.network import Shape
+from algorithms.networks.network import Parameters, Shape
 from algorithms.networks.scaling import Scaling
 from physics.kernels.compiled import compiled_fast
 
@@ -78,8 +78,8 @@ def action_distance(
     work = network.new_pass(theta, indices.size, shape)
     network.receive(work, batch.x)
     other = np.empty_like(batch.actions)
-    choose(network.parameters(theta, shape), work, batch.actions)
-    choose(network.parameters(perturbed, shape), work, other)
+    choose(Parameters(theta, shape), work, batch.actions)
+    choose(Parameters(perturbed, shape), work, other)
     total = 0.0
     for row in range(indices.size):
         for i in range(shape.outputs):

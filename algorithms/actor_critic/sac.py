@@ -50,7 +50,6 @@ from algorithms.experience.replay import Memory
 from algorithms.matching.losses import Matching, matching_of
 from algorithms.networks import network
 from algorithms.networks.layer import Array
-from algorithms.networks.network import Shape
 from algorithms.networks.optimizer import learned, learned_alone
 from algorithms.networks.policy import Policy
 from algorithms.networks.scaling import Coordinates, Scaling
@@ -150,9 +149,11 @@ class SAC:
 
 def shapes_of(environment: Environment, config: SACConfig) -> Shapes:
     """The sizes of the networks; the policy has a mean and a log sigma for each action."""
-    features, m, hidden = environment.feature_size, environment.action_size, config.hidden_units
+    features, m = environment.feature_size, environment.action_size
     return Shapes(
-        Shape(features, hidden, 2 * m), Shape(features, hidden, 1), Shape(features + m, hidden, 1)
+        network.shape_of(features, 2 * m, config),
+        network.shape_of(features, 1, config),
+        network.shape_of(features + m, 1, config),
     )
 
 

@@ -22,7 +22,7 @@ from algorithms.matching.critic import CriticWork
 from algorithms.matching.losses import Matching
 from algorithms.networks import finite, gaussian, network, optimizer
 from algorithms.networks.layer import Array
-from algorithms.networks.network import Pass, Shape
+from algorithms.networks.network import Parameters, Pass, Shape
 from algorithms.networks.optimizer import Learned
 from algorithms.networks.scaling import Coordinates, Scaling
 from algorithms.state import State, part, within
@@ -204,7 +204,7 @@ def aim_critics(
     value: Learned, gamma: Any, scaling: Scaling, matching: Matching, work: Work, shapes: Shapes
 ) -> None:
     """The critics' target and, where gradients are matched, its gradient."""
-    following = network.parameters(value.target, shapes.value)
+    following = Parameters(value.target, shapes.value)
     soft_bellman.target_value(following, work.batch, gamma, scaling, work.value, work.fit.value)
     if losses.is_matched(matching):
         soft_bellman.target_gradient(following, work.batch, gamma, work.value, work.fit.target)
@@ -216,7 +216,7 @@ def improve_policy(
 ) -> None:
     """The gradient of the policy's loss; on the way, the target of V."""
     batch, q = work.batch, work.fit.critic
-    policy = network.parameters(networks.policy.theta, shapes.policy)
+    policy = Parameters(networks.policy.theta, shapes.policy)
     rows = batch.x.shape[0]
     real = work.log_pi.dtype.type
     share = real(1) / real(rows)
@@ -227,27 +227,27 @@ def improve_policy(
     for k in range(2):
         # The first critic last: its pass is the one that is pulled back.
         theta = networks.critics[1 - k].theta
-        network.forward(network.parameters(theta, shapes.critic), q)
+        network.forward(Parameters(theta, shapes.critic), q)
         for row in range(rows):
             work.value_aim[row] = min(work.value_aim[row], q.out[row, 0])
     for row in range(rows):
         work.value_aim[row] -= work.log_pi[row] / scaling.value_std
         q.out_bar[row, 0] = -share * scaling.value_std
-    network.backward_to_input(network.parameters(networks.critics[0].theta, shapes.critic), q)
+    network.backward_to_input(Parameters(networks.critics[0].theta, shapes.critic), q)
     gaussian.pull_back(noise, work.actions, q.x_bar, batch.x.shape[1], share, work.policy)
     network.backward(policy, work.policy)
-    network.gradient(work.policy, network.parameters(work.policy_gradient, shapes.policy))
+    network.gradient(policy, work.policy, Parameters(work.policy_gradient, shapes.policy))
 
 
 @compiled_fast
 def fit_value(value: Learned, work: Work, shapes: Shapes) -> Any:
     """The loss of V; its gradient goes to `work.value_gradient`."""
-    v = network.parameters(value.theta, shapes.value)
+    v = Parameters(value.theta, shapes.value)
     network.receive(work.value, work.batch.x)
     network.forward(v, work.value)
     loss = losses.value_loss(work.value.out, work.value_aim, work.value.out_bar)
     network.backward(v, work.value)
-    network.gradient(work.value, network.parameters(work.value_gradient, shapes.value))
+    network.gradient(v, work.value, Parameters(work.value_gradient, shapes.value))
     return loss
 
 
@@ -265,8 +265,8 @@ def fit_critic(
 ) -> Any:
     """Step one critic, add half of what it saw to the report; return its squared norm."""
     half = gaussian.HALF
-    q = network.parameters(learned.theta, shapes.critic)
-    result = network.parameters(work.fit.theta_gradient, shapes.critic)
+    q = Parameters(learned.theta, shapes.critic)
+    result = Parameters(work.fit.theta_gradient, shapes.critic)
     if losses.is_matched(matching):
         value_loss, gradient_loss = critic.matched_fit(
             q, work.batch, coordinates, matching, work.fit, result
@@ -312,8 +312,8 @@ def gradient_pair(
     replay.scale_rewards(work.batch, rates.reward_scale)
     replay.draw_derivatives(memory, indices, coordinates, scaling, work.batch)
     replay.scale_reward_gradients(work.batch, rates.reward_scale)
-    v = network.parameters(networks.value.target, shapes.value)
-    q = network.parameters(networks.critics[0].theta, shapes.critic)
+    v = Parameters(networks.value.target, shapes.value)
+    q = Parameters(networks.critics[0].theta, shapes.critic)
     soft_bellman.target_value(v, work.batch, rates.gamma, scaling, work.value, work.fit.value)
     soft_bellman.target_gradient(v, work.batch, rates.gamma, work.value, work.fit.target)
     critic.own_gradient(q, work.batch, coordinates, work.fit)

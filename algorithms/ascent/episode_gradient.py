@@ -1,4 +1,4 @@
-"""The exact gradient of whole episodes' returns with respect to the actor that lived them.
+"""The exact gradient of whole episodes' returns with respect to the actor that acted in them.
 
     R = sum over t < e of  r(s_t, a_t, s_{t+1}),    a_t = pi(s_t),   s_{t+1} = f(s_t, a_t)
 
@@ -25,11 +25,11 @@ from numpy.typing import NDArray
 
 from algorithms.failing_rows import Failures, call_rows
 from algorithms.networks import actor, network
-from algorithms.networks.activation import slope
 from algorithms.networks.layer import Array
-from algorithms.networks.network import Shape
+from algorithms.networks.network import Parameters, Shape
 from algorithms.networks.policy import Policies, Policy
 from algorithms.networks.scaling import CLIP, normalise
+from algorithms.networks.squash import squash_slope
 from physics.environment import Environment
 from physics.kernels.compiled import compiled, compiled_fast
 
@@ -119,12 +119,12 @@ def return_gradient(
         shape: its sizes.
         mean, inverse: normalisation of its features [F].
         sources: the coordinate each feature depends on [F].
-        episodes: what it lived.
+        episodes: its episodes.
         gradient: the result.
     """
     steps, each, _ = episodes.features.shape
     n, m = episodes.action_jacobian.shape[2:]
-    pi = network.parameters(theta, shape)
+    pi = Parameters(theta, shape)
     work = network.new_pass(theta, steps * each, shape)
     actions = np.empty((steps * each, m), theta.dtype)
     see(episodes, mean, inverse, work.x)
@@ -136,9 +136,9 @@ def return_gradient(
     for row in range(steps * each):
         for k in range(m):
             bar = action_bar[row // each, row % each, k] / each
-            work.out_bar[row, k] = theta.dtype.type(bar) * slope(actions[row, k])
+            work.out_bar[row, k] = theta.dtype.type(bar) * squash_slope(actions[row, k])
     network.backward(pi, work)
-    network.gradient(work, network.parameters(gradient, shape))
+    network.gradient(pi, work, Parameters(gradient, shape))
 
 
 @compiled_fast
@@ -166,7 +166,7 @@ def differentiate_policy(
     for k in range(m):
         work.out_bar[:] = 0
         for row in range(actions.shape[0]):
-            work.out_bar[row, k] = slope(actions[row, k])
+            work.out_bar[row, k] = squash_slope(actions[row, k])
         network.backward_to_input(pi, work)
         for row in range(actions.shape[0]):
             t, e = row // each, row % each

@@ -23,12 +23,13 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 
 from algorithms.ascent.episode_gradient import LinearizedEpisodes, live
-from algorithms.ascent.run import GDRun, shape_of
+from algorithms.ascent.run import GDRun
 from algorithms.early_end import EarlyEnd
 from algorithms.experience.evaluation import episode_returns
 from algorithms.experience.rollout import start_states
 from algorithms.failing_rows import call_each, early_end, found
 from algorithms.measurement import Measurement
+from algorithms.networks import network
 from algorithms.networks.policy import Policies
 from algorithms.networks.scaling import coordinates_of
 from algorithms.settings import GDConfig
@@ -52,7 +53,7 @@ class GDLearner:
         """Draw the initial actors."""
         self._environment = environment
         self._timesteps = timesteps
-        self._shape = shape_of(environment, config)
+        self._shape = network.shape_of(environment.feature_size, environment.action_size, config)
         coordinates = coordinates_of(environment)
         self._runs = [GDRun(environment, coordinates, seed, timesteps, config) for seed in seeds]
         self._by_seed = dict(zip(seeds, self._runs, strict=True))  # those that ended stay here
@@ -105,7 +106,7 @@ class GDLearner:
         return {}
 
     def restore(self, saved: Mapping[int, Saved]) -> None:
-        """Take up every run where it was left."""
+        """Restore every run as it was saved."""
         for run in self._runs:
             run.restore(saved[run.history.seed].state)
         self._count()
@@ -144,7 +145,7 @@ class GDLearner:
         return {seed: partial(episodes_of, k) for k, seed in enumerate(self.seeds)}
 
     def _learn(self, lived: Mapping[int, Callable[[], LinearizedEpisodes]]) -> list[EarlyEnd]:
-        """Let every run learn from the episodes it lived."""
+        """Let every run learn from its episodes."""
 
         def learn(run: GDRun) -> None:
             with self._stopwatch.training([run.history.seed]):
@@ -153,7 +154,7 @@ class GDLearner:
         return self._each(learn)
 
     def _measure(self, ends: list[EarlyEnd]) -> list[Measurement]:
-        """The measurements that came due during the episodes, of the actors that lived them.
+        """The measurements that came due during the episodes, of the actors that acted in them.
 
         Runs for which that raises leave, and their ends are added to `ends`.
         """

@@ -10,12 +10,11 @@ from algorithms.memory import episode_bytes
 from algorithms.networks import network
 from algorithms.networks.finite import is_finite
 from algorithms.networks.layer import Array
-from algorithms.networks.network import Shape
 from algorithms.networks.optimizer import Learned, adam, corrected, learned
 from algorithms.networks.policy import Policy, deterministic
 from algorithms.networks.scaling import Coordinates, Statistics
 from algorithms.settings import GDConfig
-from algorithms.snapshot import Snapshot
+from algorithms.snapshot import Snapshot, inside
 from algorithms.state import State, part, within
 from physics.environment import Environment
 from physics.kernels.compiled import compiled_fast
@@ -48,7 +47,7 @@ class GDRun:
         self.updates = 0
         self._config = config
         self._environment = environment
-        self._shape = shape_of(environment, config)
+        self._shape = network.shape_of(environment.feature_size, environment.action_size, config)
         self._actor = learned(network.initial(self._shape, generator(seed, "actor")))
         self._statistics = Statistics(coordinates, environment.action_size)
         self._gradient_norms: list[float] = []
@@ -72,7 +71,7 @@ class GDRun:
         return [(self.history.seed, "episode", i) for i in range(first, first + each)]
 
     def learn(self, episodes: LinearizedEpisodes) -> None:
-        """Update by what the actor lived."""
+        """Update the actor from its episodes."""
         theta, mean, inverse, _ = self.policy()
         gradient = np.empty_like(theta)
         return_gradient(
@@ -131,7 +130,7 @@ class GDRun:
         )
 
     def restore(self, state: State) -> None:
-        """Take up what `state` gave."""
+        """Restore what `state` returned."""
         self.timestep = int(state["timestep"])
         self.updates = int(state["updates"])
         self._best = float(state["best"])
@@ -143,7 +142,7 @@ class GDRun:
 
     def snapshot(self) -> Snapshot:
         """The actor as it is."""
-        return Snapshot(self.timestep, self._shape.hidden, self._shape.outputs, self.policy())
+        return Snapshot(self.timestep, self._shape.outputs, inside(self._shape), self.policy())
 
 
 @compiled_fast
@@ -162,8 +161,3 @@ def climb(
         gradient[i] *= scale
     _, theta_norm = adam(actor, gradient, corrected(rate, update))
     return norm, bool(is_finite(theta_norm))
-
-
-def shape_of(environment: Environment, config: GDConfig) -> Shape:
-    """The sizes of the actor."""
-    return Shape(environment.feature_size, config.hidden_units, environment.action_size)

@@ -1,4 +1,4 @@
-"""Replay: what one run has lived through, and batches of it as the networks take them.
+"""Replay: the transitions of one run, and batches of them as the networks take them.
 
 A transition keeps, besides `(features, action, reward, next features, not terminated)`, two things
 for learners that match gradients, both with respect to z = (seen coordinates of s, a):
@@ -37,7 +37,7 @@ from physics.environment import Environment
 from physics.kernels.compiled import compiled_fast
 
 REFILL_ROWS = 4096
-"""Transitions worked out at once from a journal: few enough to need no memory to speak of."""
+"""Transitions computed at once from a journal: few enough to need little memory."""
 
 
 class Memory(NamedTuple):
@@ -143,7 +143,7 @@ class Replay:
             self.extend(work_out(rows), rows["states"])
 
     def journal(self, start: int) -> State:
-        """What the transitions from number `start` on can be worked out from, if still held."""
+        """What the transitions from number `start` on can be recomputed from, if still held."""
         oldest = max(start, self.count - self.size)
         rows = np.arange(oldest, self.count) % len(self.memory.rewards)
         return {

@@ -93,13 +93,13 @@ class Rollout:
         }
 
     def restore(self, k: int, state: State) -> None:
-        """Take up what `state` gave."""
+        """Restore what `state` returned."""
         self.episodes[k] = state["episodes"]
         self._elapsed[k] = state["elapsed"]
         self._states[k] = state["state"]
 
     def work_out(self, journal: State) -> Memory:
-        """The transitions of a replay's journal, with the bits they had when they were lived."""
+        """The transitions of a replay's journal, with the bits that they had at first."""
         states, actions = journal["states"], journal["actions"]
         lived = self._empty(len(states))
         lived.features[:] = self._environment.features(states)

@@ -70,7 +70,7 @@ def value_fit(q: Parameters, batch: Batch, work: CriticWork, result: Parameters)
     network.forward(q, work.critic)
     loss = losses.value_loss(work.critic.out, work.value, work.critic.out_bar)
     network.backward(q, work.critic)
-    network.gradient(work.critic, result)
+    network.gradient(q, work.critic, result)
     return loss
 
 

@@ -53,7 +53,7 @@ class UpdateMeans:
         self._cycles = np.vstack([self._cycles, np.array(cycle, np.float32)])
 
     def take(self) -> dict[str, float]:
-        """The means by name, NaN if there were no updates; begin anew."""
+        """The means by name, NaN if there were no updates; start again from none."""
         cycles, self._cycles = self._cycles, self._cycles[:0]
         if not len(cycles):
             return dict.fromkeys(self.names, float("nan"))
@@ -65,7 +65,7 @@ class UpdateMeans:
         return {"cycles": self._cycles}
 
     def restore(self, state: State) -> None:
-        """Take up what `state` gave."""
+        """Restore what `state` returned."""
         self._cycles = state["cycles"]
 
 
@@ -95,7 +95,7 @@ def with_derivatives(
     replay: Replay,
     indices: NDArray[np.int64],
 ) -> Memory:
-    """Transitions of a replay, their derivatives worked out again from the states."""
+    """Transitions of a replay, with derivatives recomputed from the states."""
     actions = replay.memory.actions[indices].astype(np.float64)
     steps = environment.differentiate(replay.states[indices], actions)
     memory = replay.memory

@@ -34,7 +34,9 @@ def target_value(
     """The normalised Qhat [B]; leaves the pass of V' in `work`."""
     network.receive(work, batch.next_x)
     network.forward(value_target, work)
-    bellman.back_up(batch, gamma, scaling, work.out, result)
+    for row in range(result.size):
+        result[row] = work.out[row, 0]
+    bellman.back_up(batch, gamma, scaling, result)
 
 
 @compiled_fast

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from algorithms.networks import network
-from algorithms.networks.activation import activate, slope
 from algorithms.networks.gaussian import spread
 from algorithms.networks.layer import Array
 from algorithms.networks.network import Parameters, Pass, Shape
 from algorithms.networks.scaling import normalise
+from algorithms.networks.squash import squash, squash_slope
 from physics.kernels.compiled import compiled_fast
 
 
@@ -24,7 +24,7 @@ def choose(actor: Parameters, work: Pass, actions: Array) -> None:
     network.forward(actor, work)
     for row in range(actions.shape[0]):
         for i in range(actions.shape[1]):
-            actions[row, i] = activate(work.out[row, i])
+            actions[row, i] = squash(work.out[row, i])
 
 
 @compiled_fast
@@ -32,7 +32,7 @@ def pull_back(actions: Array, action_bar: Array, first: int, work: Pass) -> None
     """Set `out_bar` from the adjoints of the actions: columns `first` onwards of `action_bar`."""
     for row in range(actions.shape[0]):
         for i in range(actions.shape[1]):
-            work.out_bar[row, i] = action_bar[row, first + i] * slope(actions[row, i])
+            work.out_bar[row, i] = action_bar[row, first + i] * squash_slope(actions[row, i])
 
 
 @compiled_fast
@@ -55,9 +55,9 @@ def act_rows(
     for k in range(theta.shape[0]):
         for i in range(mean.shape[1]):
             work.x[0, i] = normalise(np.float32(features[k, i]), mean[k, i], inverse[k, i])
-        network.forward(network.parameters(theta[k], shape), work)
+        network.forward(Parameters(theta[k], shape), work)
         for i in range(m):
             u = work.out[0, i]
             if noise.shape[1] > 0:
                 u += spread(work.out[0, m + i]) * noise[k, i]
-            actions[k, i] = activate(u)
+            actions[k, i] = squash(u)

@@ -21,9 +21,9 @@ from typing import Any
 import numpy as np
 
 from algorithms.networks import network
-from algorithms.networks.activation import activate, slope
 from algorithms.networks.layer import Array
 from algorithms.networks.network import Parameters, Pass
+from algorithms.networks.squash import squash, squash_slope
 from physics.kernels.compiled import compiled_fast
 
 LOWEST, HIGHEST = np.float32(-20), np.float32(2)
@@ -50,9 +50,9 @@ def sample(policy: Parameters, work: Pass, noise: Array, actions: Array, log_pi:
             e = noise[row, i]
             u = work.out[row, i] + np.exp(log_sigma) * e
             size = abs(u)
-            squash = TWO * (LOG_2 - size - np.log(ONE + np.exp(-TWO * size)))
-            total -= HALF * e * e + log_sigma + HALF_LOG_TAU + squash
-            actions[row, i] = activate(u)
+            shrinkage = TWO * (LOG_2 - size - np.log(ONE + np.exp(-TWO * size)))
+            total -= HALF * e * e + log_sigma + HALF_LOG_TAU + shrinkage
+            actions[row, i] = squash(u)
         log_pi[row] = total
 
 
@@ -66,7 +66,7 @@ def pull_back(
     for row in range(rows):
         for i in range(m):
             a, log_sigma = actions[row, i], work.out[row, m + i]
-            u_bar = action_bar[row, first + i] * slope(a) + TWO * log_pi_bar * a
+            u_bar = action_bar[row, first + i] * squash_slope(a) + TWO * log_pi_bar * a
             work.out_bar[row, i] = u_bar
             free = LOWEST <= log_sigma <= HIGHEST
             by_spread = u_bar * np.exp(log_sigma) * noise[row, i] - log_pi_bar if free else real(0)

@@ -1,23 +1,26 @@
 """One hidden layer: a product, layer normalisation, an activation; and its derivatives.
 
-    z = x W + b,   n = (z - mean z) r,   r = 1 / sqrt(var z + EPSILON),   y = g n + c,   h = tanh y
+    z = x W + b,   n = (z - mean z) r,   r = 1 / sqrt(var z + EPSILON),   y = g n + c,   h = act(y)
 
 Backward, of a scalar S (a bar is dS/d.; `mean` runs over the units of one row):
 
-    ybar = hbar slope(h),   q = g ybar,   zbar = r (q - mean q - n mean(q n))
+    ybar = hbar slope,   q = g ybar,   zbar = r (q - mean q - n mean(q n))
 
 Forward, along a direction (a dot):
 
-    ndot = r (zdot - mean zdot - n mean(n zdot)),   hdot = slope(h) g ndot
+    ndot = r (zdot - mean zdot - n mean(n zdot)),   hdot = slope g ndot
 
-Second order: S depends on h and on hdot. With `ybar` the adjoint of ydot, found by the backward
-pass above, and `hbar` that of h, the adjoint of z is
+Second order: S depends on h and on hdot. With `hbar` the adjoint of hdot and `ybar = hbar slope`,
+found by the backward pass above, and `htil` the adjoint of h, that of z is
 
-    ytil = hbar slope(h) + ybar bend(h) g ndot
+    ytil = htil slope + hbar bend g ndot
     N    = g ytil - r (zdot mean(q n) + q mean(n zdot))
     ztil = r (N - mean N - n (mean(N n) + mean(q ndot)))
 
-Glossary: `B` rows, `I` inputs, `H` units; `W [I, H]`, `b, g, c [H]`; every row by itself.
+No loop both sums and stores (physics.kernels.compiled).
+
+Glossary: `B` rows, `I` inputs, `H` units; `W [I, H]`, `b, g, c [H]`; every row by itself; slope and
+bend, the activation's derivatives (algorithms.networks.activation).
 Source: layer normalisation, Ba et al. (2016), before the activation as in OpenAI Baselines.
 """
 
@@ -26,7 +29,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from algorithms.networks.activation import activate, bend, slope
+from algorithms.networks.activation import Activation, activate, bend, slope
 from physics.kernels.compiled import compiled_fast
 
 Array = NDArray[np.floating[Any]]
@@ -61,8 +64,8 @@ class Trace(NamedTuple):
 class Adjoint(NamedTuple):
     """What a backward pass leaves."""
 
-    y: Array
-    """[B, H]; holds hbar as the pass begins."""
+    h: Array
+    """[B, H]; filled before the pass begins."""
     z: Array
     """[B, H]"""
 
@@ -79,7 +82,7 @@ class LayerTangent(NamedTuple):
 
 
 @compiled_fast
-def forward(layer: Layer, x: Array, trace: Trace) -> None:
+def forward(layer: Layer, activation: Activation, x: Array, trace: Trace) -> None:
     """Fill the trace from the inputs `x [B, I]`."""
     n, r, h = trace.n, trace.r, trace.h
     np.dot(x, layer.weight, n)
@@ -87,45 +90,46 @@ def forward(layer: Layer, x: Array, trace: Trace) -> None:
     real = n.dtype.type
     share = real(1) / real(units)
     for i in range(rows):
+        for j in range(units):
+            n[i, j] += layer.bias[j]
+    for i in range(rows):
         total = real(0)
         for j in range(units):
-            z = n[i, j] + layer.bias[j]
-            n[i, j] = z
-            total += z
+            total += n[i, j]
         r[i] = total * share
     for i in range(rows):
         mean = r[i]
+        for j in range(units):
+            n[i, j] -= mean
+    for i in range(rows):
         squares = real(0)
         for j in range(units):
-            centred = n[i, j] - mean
-            n[i, j] = centred
-            squares += centred * centred
+            squares += n[i, j] * n[i, j]
         r[i] = real(1) / np.sqrt(squares * share + EPSILON)
     for i in range(rows):
         ri = r[i]
         for j in range(units):
             nij = n[i, j] * ri
             n[i, j] = nij
-            h[i, j] = activate(layer.gain[j] * nij + layer.shift[j])
+            h[i, j] = activate(activation, layer.gain[j] * nij + layer.shift[j])
 
 
 @compiled_fast
-def backward(layer: Layer, trace: Trace, adjoint: Adjoint) -> None:
-    """Fill the adjoint, whose `y` holds hbar on entry."""
-    n, h = trace.n, trace.h
-    ybar, zbar = adjoint.y, adjoint.z
+def backward(layer: Layer, activation: Activation, trace: Trace, adjoint: Adjoint) -> None:
+    """Fill the adjoint of z from that of h."""
+    n, h, zbar = trace.n, trace.h, adjoint.z
     rows, units = n.shape
     real = n.dtype.type
     share = real(1) / real(units)
     for i in range(rows):
+        for j in range(units):
+            y = layer.gain[j] * n[i, j] + layer.shift[j]
+            zbar[i, j] = layer.gain[j] * adjoint.h[i, j] * slope(activation, y, h[i, j])
+    for i in range(rows):
         q_mean, qn_mean = real(0), real(0)
         for j in range(units):
-            y = ybar[i, j] * slope(h[i, j])
-            q = layer.gain[j] * y
-            ybar[i, j] = y
-            zbar[i, j] = q
-            q_mean += q
-            qn_mean += q * n[i, j]
+            q_mean += zbar[i, j]
+            qn_mean += zbar[i, j] * n[i, j]
         q_mean *= share
         qn_mean *= share
         ri = trace.r[i]
@@ -134,8 +138,10 @@ def backward(layer: Layer, trace: Trace, adjoint: Adjoint) -> None:
 
 
 @compiled_fast
-def gradient(x: Array, trace: Trace, adjoint: Adjoint, result: Layer) -> None:
-    """The gradient of S with respect to the layer's parameters."""
+def gradient(
+    layer: Layer, activation: Activation, x: Array, trace: Trace, adjoint: Adjoint, result: Layer
+) -> None:
+    """The gradient of S with respect to the layer's parameters, after `backward`."""
     np.dot(x.T, adjoint.z, result.weight)
     result.bias[:] = 0
     result.gain[:] = 0
@@ -143,14 +149,18 @@ def gradient(x: Array, trace: Trace, adjoint: Adjoint, result: Layer) -> None:
     rows, units = trace.n.shape
     for i in range(rows):
         for j in range(units):
-            y = adjoint.y[i, j]
+            n = trace.n[i, j]
+            y = layer.gain[j] * n + layer.shift[j]
+            ybar = adjoint.h[i, j] * slope(activation, y, trace.h[i, j])
             result.bias[j] += adjoint.z[i, j]
-            result.gain[j] += y * trace.n[i, j]
-            result.shift[j] += y
+            result.gain[j] += ybar * n
+            result.shift[j] += ybar
 
 
 @compiled_fast
-def tangent(layer: Layer, trace: Trace, x_dot: Array, result: LayerTangent) -> None:
+def tangent(
+    layer: Layer, activation: Activation, trace: Trace, x_dot: Array, result: LayerTangent
+) -> None:
     """How the layer changes as its inputs move along `x_dot [B, I]`."""
     np.dot(x_dot, layer.weight, result.z)
     n, h = trace.n, trace.h
@@ -160,24 +170,33 @@ def tangent(layer: Layer, trace: Trace, x_dot: Array, result: LayerTangent) -> N
     for i in range(rows):
         z_mean, nz_mean = real(0), real(0)
         for j in range(units):
-            z = result.z[i, j]
-            z_mean += z
-            nz_mean += z * n[i, j]
+            z_mean += result.z[i, j]
+            nz_mean += result.z[i, j] * n[i, j]
         z_mean *= share
         nz_mean *= share
         ri = trace.r[i]
         for j in range(units):
             ndot = ri * (result.z[i, j] - z_mean - n[i, j] * nz_mean)
+            y = layer.gain[j] * n[i, j] + layer.shift[j]
             result.n[i, j] = ndot
-            result.h[i, j] = slope(h[i, j]) * layer.gain[j] * ndot
+            result.h[i, j] = slope(activation, y, h[i, j]) * layer.gain[j] * ndot
 
 
 @compiled_fast
 def second_backward(
-    layer: Layer, trace: Trace, adjoint: Adjoint, moved: LayerTangent, h_bar: Array, result: Layer
+    layer: Layer,
+    activation: Activation,
+    trace: Trace,
+    adjoint: Adjoint,
+    moved: LayerTangent,
+    h_til: Array,
+    result: Layer,
 ) -> None:
-    """Turn `h_bar [B, H]` into ztil in place; the gradient but for `weight` goes to `result`."""
-    n, h, ybar = trace.n, trace.h, adjoint.y
+    """Turn `h_til [B, H]` into ztil in place; the gradient but for `weight` goes to `result`.
+
+    The adjoint's h, read for the last time, takes q.
+    """
+    n, h = trace.n, trace.h
     rows, units = n.shape
     real = n.dtype.type
     share = real(1) / real(units)
@@ -186,29 +205,33 @@ def second_backward(
     result.shift[:] = 0
     for i in range(rows):
         ri = trace.r[i]
+        for j in range(units):
+            nij, g, ndot, hbar = n[i, j], layer.gain[j], moved.n[i, j], adjoint.h[i, j]
+            y = g * nij + layer.shift[j]
+            along = slope(activation, y, h[i, j])
+            ybar = hbar * along
+            ytil = h_til[i, j] * along + hbar * bend(activation, y, h[i, j]) * g * ndot
+            adjoint.h[i, j] = g * ybar
+            h_til[i, j] = g * ytil
+            result.gain[j] += ytil * nij + ybar * ndot
+            result.shift[j] += ytil
         nz_mean, qn_mean, qm_mean = real(0), real(0), real(0)
         for j in range(units):
-            q = layer.gain[j] * ybar[i, j]
             nz_mean += n[i, j] * moved.z[i, j]
-            qn_mean += q * n[i, j]
-            qm_mean += q * moved.n[i, j]
+            qn_mean += adjoint.h[i, j] * n[i, j]
+            qm_mean += adjoint.h[i, j] * moved.n[i, j]
         nz_mean *= share * ri
         qn_mean *= share * ri
         qm_mean *= share
+        for j in range(units):
+            h_til[i, j] -= adjoint.h[i, j] * nz_mean + moved.z[i, j] * qn_mean
         big_mean, bign_mean = real(0), real(0)
         for j in range(units):
-            nij, hij, y, g = n[i, j], h[i, j], ybar[i, j], layer.gain[j]
-            ndot = moved.n[i, j]
-            ytil = h_bar[i, j] * slope(hij) + y * bend(hij) * g * ndot
-            result.gain[j] += ytil * nij + y * ndot
-            result.shift[j] += ytil
-            big = g * (ytil - y * nz_mean) - moved.z[i, j] * qn_mean
-            h_bar[i, j] = big
-            big_mean += big
-            bign_mean += big * nij
+            big_mean += h_til[i, j]
+            bign_mean += h_til[i, j] * n[i, j]
         big_mean *= share
         bign_mean = bign_mean * share + qm_mean
         for j in range(units):
-            ztil = ri * (h_bar[i, j] - big_mean - n[i, j] * bign_mean)
-            h_bar[i, j] = ztil
+            ztil = ri * (h_til[i, j] - big_mean - n[i, j] * bign_mean)
+            h_til[i, j] = ztil
             result.bias[j] += ztil

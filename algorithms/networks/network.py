@@ -1,16 +1,17 @@
-"""The network every learner uses: two hidden layers and a linear output; and its derivatives.
+"""The network every learner uses: hidden layers and a linear output; and its derivatives.
 
-    out = h2 V + d,   h2 = layer2(h1),   h1 = layer1(x)                  (algorithms.networks.layer)
+    out = h_L V + d,   h_k = layer_k(h_{k-1}),   h_0 = x                (algorithms.networks.layer)
 
 All parameters of a network lie in one flat vector theta, products first, then biases, then the
 gains and shifts of layer normalisation:
 
-    theta = [W1 | W2 | V | b1 | b2 | d | g1 | c1 | g2 | c2]
+    theta = [W_1 | ... | W_L | V | b_1 | ... | b_L | d | g_1 | c_1 | ... | g_L | c_L]
 
 so that Adam, Polyak averaging and weight decay are loops over a vector, and "every parameter but
-layer normalisation's" (parameter noise) is a prefix of it.
+layer normalisation's" (parameter noise) is a prefix of it. What a pass leaves lies in flat vectors
+too, layer after layer; a layer's part is a view.
 
-Four passes, each filling arrays made once by `Workspace`:
+Four passes, each filling arrays made once:
 
     forward          out = f(x)
     backward         xbar = outbar df/dx, and the layers' adjoints;  `gradient` makes dS/dtheta
@@ -20,15 +21,17 @@ Four passes, each filling arrays made once by `Workspace`:
 The last is the derivative of an input gradient: with outbar = 1 and xdot = dL/d(xbar), it is the
 gradient of any loss L(out, xbar) (double backward, as forward over reverse: Pearlmutter, 1994).
 
-Glossary: `B` rows, `I` inputs, `H` hidden units, `O` outputs.
+Glossary: `B` rows, `I` inputs, `L` hidden layers, `H` units of one of them, `U` of all, `O`
+outputs.
 """
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from algorithms.networks import layer
+from algorithms.networks.activation import NAMED, Activation, Tanh
 from algorithms.networks.layer import Adjoint, Array, Layer, LayerTangent, Trace
 from physics.kernels.compiled import compiled_fast
 
@@ -36,18 +39,48 @@ LAST = 3e-3
 
 
 class Shape(NamedTuple):
-    """The sizes of a network."""
+    """The sizes of a network, and its activation."""
 
     inputs: int
-    hidden: int
+    hidden: tuple[int, ...]
+    """Units of each hidden layer; at least one layer."""
     outputs: int
+    activation: Activation = Tanh()
+
+
+class HiddenSettings(Protocol):
+    """The settings that say what a network is like inside (algorithms.settings)."""
+
+    @property
+    def hidden_units(self) -> int:
+        """Units of each hidden layer."""
+
+    @property
+    def hidden_layers(self) -> int:
+        """How many there are."""
+
+    @property
+    def activation(self) -> str:
+        """The name of their activation."""
+
+
+def shape_of(inputs: int, outputs: int, config: HiddenSettings) -> Shape:
+    """The shape that the settings say."""
+    hidden = (config.hidden_units,) * config.hidden_layers
+    return Shape(inputs, hidden, outputs, NAMED[config.activation])
 
 
 class Parameters(NamedTuple):
-    """Views into a flat vector of parameters, or of a gradient."""
+    """A flat vector of parameters, or of a gradient, and how it is laid out."""
 
-    first: Layer
-    second: Layer
+    theta: Array
+    """[P]"""
+    shape: Shape
+
+
+class Output(NamedTuple):
+    """Parameters of the output layer."""
+
     weight: Array
     """[H, O]"""
     bias: Array
@@ -59,14 +92,17 @@ class Pass(NamedTuple):
 
     x: Array
     """[B, I]"""
-    first: Trace
-    second: Trace
+    n: Array
+    """[B U], as are h, h_bar and z_bar: of each layer [B, H], row by row."""
+    r: Array
+    """[B L]"""
+    h: Array
     out: Array
     """[B, O]"""
     out_bar: Array
     """[B, O]"""
-    second_bar: Adjoint
-    first_bar: Adjoint
+    h_bar: Array
+    z_bar: Array
     x_bar: Array
     """[B, I]"""
 
@@ -76,34 +112,64 @@ class Direction(NamedTuple):
 
     x: Array
     """[B, I]"""
-    first: LayerTangent
-    second: LayerTangent
+    z: Array
+    """[B U], as are n, h and til."""
+    n: Array
+    h: Array
     out: Array
     """[B, O]"""
     out_til: Array
     """[B, O]"""
-    second_til: Array
-    """[B, H]"""
-    first_til: Array
-    """[B, H]"""
+    til: Array
     product: Array
-    """[max(I, H), H], scratch"""
+    """[largest of the hidden products], scratch"""
+
+
+@compiled_fast
+def inputs_of(shape: Shape, k: int) -> Any:
+    """How many inputs hidden layer k has, from 0; for k = L, the output layer."""
+    return shape.inputs if k == 0 else shape.hidden[k - 1]
+
+
+@compiled_fast
+def units_before(shape: Shape, k: int) -> Any:
+    """How many units the hidden layers before k have."""
+    count = 0
+    for i in range(k):
+        count += shape.hidden[i]
+    return count
+
+
+@compiled_fast
+def products_before(shape: Shape, k: int) -> Any:
+    """How many entries the products of the hidden layers before k have."""
+    count = 0
+    for i in range(k):
+        count += inputs_of(shape, i) * shape.hidden[i]
+    return count
 
 
 @compiled_fast
 def decayed_size(shape: Shape) -> Any:
     """How many parameters, from the first, are hidden products."""
-    return (shape.inputs + shape.hidden) * shape.hidden
+    return products_before(shape, len(shape.hidden))
 
 
-def noisy_size(shape: Shape) -> int:
+@compiled_fast
+def bias_offset(shape: Shape) -> Any:
+    """Where the biases begin in theta."""
+    return decayed_size(shape) + inputs_of(shape, len(shape.hidden)) * shape.outputs
+
+
+@compiled_fast
+def noisy_size(shape: Shape) -> Any:
     """How many parameters, from the first, are not layer normalisation's."""
-    return int(decayed_size(shape)) + shape.hidden * (shape.outputs + 2) + shape.outputs
+    return bias_offset(shape) + units_before(shape, len(shape.hidden)) + shape.outputs
 
 
 def parameter_size(shape: Shape) -> int:
     """The length of theta."""
-    return noisy_size(shape) + 4 * shape.hidden
+    return int(noisy_size(shape)) + 2 * sum(shape.hidden)
 
 
 def initial(shape: Shape, generator: np.random.Generator) -> NDArray[np.float32]:
@@ -111,90 +177,137 @@ def initial(shape: Shape, generator: np.random.Generator) -> NDArray[np.float32]
 
     A small last layer lets the actor begin near 0 and the critic near its mean (Lillicrap, 2015).
     """
-    i, h, o = shape
     theta = np.zeros(parameter_size(shape), np.float32)
-    p = parameters(theta, shape)
-    p.first.weight[:] = generator.uniform(-1, 1, (i, h)) * np.sqrt(6 / (i + h))
-    p.second.weight[:] = generator.uniform(-1, 1, (h, h)) * np.sqrt(6 / (h + h))
-    p.weight[:] = generator.uniform(-LAST, LAST, (h, o))
-    p.first.bias[:] = generator.uniform(-1, 1, h) / np.sqrt(i)
-    p.second.bias[:] = generator.uniform(-1, 1, h) / np.sqrt(h)
-    p.first.gain[:] = 1
-    p.second.gain[:] = 1
+    p = Parameters(theta, shape)
+    hidden = [hidden_layer(p, k) for k in range(len(shape.hidden))]
+    for each in hidden:
+        drawn = generator.uniform(-1, 1, each.weight.shape)
+        each.weight[:] = drawn * np.sqrt(6 / sum(each.weight.shape))
+    last = output_layer(p).weight
+    last[:] = generator.uniform(-LAST, LAST, last.shape)
+    for each in hidden:
+        inputs, units = each.weight.shape
+        each.bias[:] = generator.uniform(-1, 1, units) / np.sqrt(inputs)
+        each.gain[:] = 1
     return theta
 
 
 @compiled_fast
-def parameters(theta: Array, shape: Shape) -> Parameters:
-    """Name the parts of theta; no copy."""
-    i, h, o = shape.inputs, shape.hidden, shape.outputs
-    w2 = i * h
-    v = w2 + h * h
-    b = v + h * o
-    g = b + 2 * h + o
-    return Parameters(
-        Layer(
-            theta[:w2].reshape((i, h)),
-            theta[b : b + h],
-            theta[g : g + h],
-            theta[g + h : g + 2 * h],
-        ),
-        Layer(
-            theta[w2:v].reshape((h, h)),
-            theta[b + h : b + 2 * h],
-            theta[g + 2 * h : g + 3 * h],
-            theta[g + 3 * h : g + 4 * h],
-        ),
-        theta[v:b].reshape((h, o)),
-        theta[b + 2 * h : g],
+def hidden_layer(p: Parameters, k: int) -> Layer:
+    """The parameters of hidden layer k; no copy."""
+    shape, theta = p.shape, p.theta
+    inputs, units = inputs_of(shape, k), shape.hidden[k]
+    w = products_before(shape, k)
+    b = bias_offset(shape) + units_before(shape, k)
+    g = noisy_size(shape) + 2 * units_before(shape, k)
+    return Layer(
+        theta[w : w + inputs * units].reshape((inputs, units)),
+        theta[b : b + units],
+        theta[g : g + units],
+        theta[g + units : g + 2 * units],
+    )
+
+
+@compiled_fast
+def output_layer(p: Parameters) -> Output:
+    """The parameters of the output layer; no copy."""
+    shape, theta = p.shape, p.theta
+    v, b, end = decayed_size(shape), bias_offset(shape), noisy_size(shape)
+    units = inputs_of(shape, len(shape.hidden))
+    return Output(
+        theta[v:b].reshape((units, shape.outputs)),
+        theta[end - shape.outputs : end],
     )
 
 
 def first_outputs(theta: NDArray[np.float32], shape: Shape, outputs: int) -> NDArray[np.float32]:
     """Theta of the same network with its first so many outputs alone."""
-    p = parameters(theta, shape)
-    v = decayed_size(shape)
-    b = v + p.weight.size
-    d = b + 2 * shape.hidden
+    last = output_layer(Parameters(theta, shape))
+    v, b, end = decayed_size(shape), bias_offset(shape), noisy_size(shape)
     return np.concatenate([
-        theta[:v], p.weight[:, :outputs].ravel(), theta[b:d],
-        p.bias[:outputs], theta[d + shape.outputs :],
+        theta[:v], last.weight[:, :outputs].ravel(), theta[b : end - shape.outputs],
+        last.bias[:outputs], theta[end:],
     ])  # fmt: skip
 
 
 @compiled_fast
 def new_pass(theta: Array, rows: int, shape: Shape) -> Pass:
     """Arrays for a forward and a backward pass over `rows` rows, of theta's dtype."""
-    i, h, o = shape.inputs, shape.hidden, shape.outputs
-    kind = theta.dtype
+    kind, layers = theta.dtype, len(shape.hidden)
+    units = rows * units_before(shape, layers)
     return Pass(
-        np.empty((rows, i), kind),
-        Trace(np.empty((rows, h), kind), np.empty(rows, kind), np.empty((rows, h), kind)),
-        Trace(np.empty((rows, h), kind), np.empty(rows, kind), np.empty((rows, h), kind)),
-        np.empty((rows, o), kind),
-        np.empty((rows, o), kind),
-        Adjoint(np.empty((rows, h), kind), np.empty((rows, h), kind)),
-        Adjoint(np.empty((rows, h), kind), np.empty((rows, h), kind)),
-        np.empty((rows, i), kind),
+        np.empty((rows, shape.inputs), kind),
+        np.empty(units, kind),
+        np.empty(rows * layers, kind),
+        np.empty(units, kind),
+        np.empty((rows, shape.outputs), kind),
+        np.empty((rows, shape.outputs), kind),
+        np.empty(units, kind),
+        np.empty(units, kind),
+        np.empty((rows, shape.inputs), kind),
     )
 
 
 @compiled_fast
 def new_direction(theta: Array, rows: int, shape: Shape) -> Direction:
     """Arrays for a tangent and a second-order backward pass over `rows` rows."""
-    i, h, o = shape.inputs, shape.hidden, shape.outputs
-    kind = theta.dtype
-    wide = (rows, h)
+    kind, layers = theta.dtype, len(shape.hidden)
+    units = rows * units_before(shape, layers)
+    largest = inputs_of(shape, layers) * shape.outputs
+    for k in range(layers):
+        largest = max(largest, inputs_of(shape, k) * shape.hidden[k])
     return Direction(
-        np.empty((rows, i), kind),
-        LayerTangent(np.empty(wide, kind), np.empty(wide, kind), np.empty(wide, kind)),
-        LayerTangent(np.empty(wide, kind), np.empty(wide, kind), np.empty(wide, kind)),
-        np.empty((rows, o), kind),
-        np.empty((rows, o), kind),
-        np.empty(wide, kind),
-        np.empty(wide, kind),
-        np.empty((max(i, h) * h), kind),
+        np.empty((rows, shape.inputs), kind),
+        np.empty(units, kind),
+        np.empty(units, kind),
+        np.empty(units, kind),
+        np.empty((rows, shape.outputs), kind),
+        np.empty((rows, shape.outputs), kind),
+        np.empty(units, kind),
+        np.empty(largest, kind),
     )
+
+
+@compiled_fast
+def of_layer(buffer: Array, rows: int, shape: Shape, k: int) -> Array:
+    """The part [B, H] of hidden layer k of a flat buffer [B U]; no copy."""
+    start, units = rows * units_before(shape, k), shape.hidden[k]
+    return buffer[start : start + rows * units].reshape((rows, units))
+
+
+@compiled_fast
+def trace_of(a: Pass, shape: Shape, k: int) -> Trace:
+    """What the forward pass left of hidden layer k."""
+    rows = a.x.shape[0]
+    return Trace(
+        of_layer(a.n, rows, shape, k),
+        a.r[k * rows : (k + 1) * rows],
+        of_layer(a.h, rows, shape, k),
+    )
+
+
+@compiled_fast
+def adjoint_of(a: Pass, shape: Shape, k: int) -> Adjoint:
+    """What the backward pass left of hidden layer k."""
+    rows = a.x.shape[0]
+    return Adjoint(of_layer(a.h_bar, rows, shape, k), of_layer(a.z_bar, rows, shape, k))
+
+
+@compiled_fast
+def tangent_of(d: Direction, shape: Shape, k: int) -> LayerTangent:
+    """What the tangent pass left of hidden layer k."""
+    rows = d.x.shape[0]
+    return LayerTangent(
+        of_layer(d.z, rows, shape, k),
+        of_layer(d.n, rows, shape, k),
+        of_layer(d.h, rows, shape, k),
+    )
+
+
+@compiled_fast
+def layer_inputs(x: Array, h: Array, shape: Shape, k: int) -> Array:
+    """The inputs of hidden layer k, for k = L of the output layer: x, or the h before."""
+    return x if k == 0 else of_layer(h, x.shape[0], shape, k - 1)
 
 
 @compiled_fast
@@ -212,63 +325,85 @@ def receive(a: Pass, x: Array) -> None:
 @compiled_fast
 def forward(p: Parameters, a: Pass) -> None:
     """`out = f(x)`."""
-    layer.forward(p.first, a.x, a.first)
-    layer.forward(p.second, a.first.h, a.second)
-    np.dot(a.second.h, p.weight, a.out)
+    shape = p.shape
+    layers = len(shape.hidden)
+    for k in range(layers):
+        x = layer_inputs(a.x, a.h, shape, k)
+        layer.forward(hidden_layer(p, k), shape.activation, x, trace_of(a, shape, k))
+    last = output_layer(p)
+    np.dot(layer_inputs(a.x, a.h, shape, layers), last.weight, a.out)
     for i in range(a.out.shape[0]):
-        for k in range(a.out.shape[1]):
-            a.out[i, k] += p.bias[k]
+        for j in range(a.out.shape[1]):
+            a.out[i, j] += last.bias[j]
 
 
 @compiled_fast
 def backward(p: Parameters, a: Pass) -> None:
     """The layers' adjoints, from `out_bar`."""
-    np.dot(a.out_bar, p.weight.T, a.second_bar.y)
-    layer.backward(p.second, a.second, a.second_bar)
-    np.dot(a.second_bar.z, p.second.weight.T, a.first_bar.y)
-    layer.backward(p.first, a.first, a.first_bar)
+    shape = p.shape
+    layers, rows = len(shape.hidden), a.x.shape[0]
+    np.dot(a.out_bar, output_layer(p).weight.T, of_layer(a.h_bar, rows, shape, layers - 1))
+    for k in range(layers - 1, -1, -1):
+        own, adjoint = hidden_layer(p, k), adjoint_of(a, shape, k)
+        layer.backward(own, shape.activation, trace_of(a, shape, k), adjoint)
+        if k > 0:
+            np.dot(adjoint.z, own.weight.T, of_layer(a.h_bar, rows, shape, k - 1))
 
 
 @compiled_fast
 def backward_to_input(p: Parameters, a: Pass) -> None:
     """`x_bar`, and the layers' adjoints, from `out_bar`."""
     backward(p, a)
-    np.dot(a.first_bar.z, p.first.weight.T, a.x_bar)
+    np.dot(adjoint_of(a, p.shape, 0).z, hidden_layer(p, 0).weight.T, a.x_bar)
 
 
 @compiled_fast
-def gradient(a: Pass, result: Parameters) -> None:
+def gradient(p: Parameters, a: Pass, result: Parameters) -> None:
     """`d(outbar . out)/dtheta`, after `backward`."""
-    np.dot(a.second.h.T, a.out_bar, result.weight)
-    column_sums(a.out_bar, result.bias)
-    layer.gradient(a.first.h, a.second, a.second_bar, result.second)
-    layer.gradient(a.x, a.first, a.first_bar, result.first)
+    shape = p.shape
+    layers, last = len(shape.hidden), output_layer(result)
+    np.dot(layer_inputs(a.x, a.h, shape, layers).T, a.out_bar, last.weight)
+    column_sums(a.out_bar, last.bias)
+    for k in range(layers):
+        layer.gradient(
+            hidden_layer(p, k), shape.activation, layer_inputs(a.x, a.h, shape, k),
+            trace_of(a, shape, k), adjoint_of(a, shape, k), hidden_layer(result, k),
+        )  # fmt: skip
 
 
 @compiled_fast
 def tangent(p: Parameters, a: Pass, d: Direction) -> None:
     """`out` of `d`: how f changes along `d.x`, after `forward`."""
-    layer.tangent(p.first, a.first, d.x, d.first)
-    layer.tangent(p.second, a.second, d.first.h, d.second)
-    np.dot(d.second.h, p.weight, d.out)
+    shape = p.shape
+    layers = len(shape.hidden)
+    for k in range(layers):
+        layer.tangent(
+            hidden_layer(p, k), shape.activation, trace_of(a, shape, k),
+            layer_inputs(d.x, d.h, shape, k), tangent_of(d, shape, k),
+        )  # fmt: skip
+    np.dot(layer_inputs(d.x, d.h, shape, layers), output_layer(p).weight, d.out)
 
 
 @compiled_fast
 def second_backward(p: Parameters, a: Pass, d: Direction, result: Parameters) -> None:
     """`d(outtil . out + outbar . outdot)/dtheta`, after `backward` and `tangent`."""
-    np.dot(a.second.h.T, d.out_til, result.weight)
-    add_product(d.second.h, a.out_bar, d.product, result.weight)
-    column_sums(d.out_til, result.bias)
-
-    np.dot(d.out_til, p.weight.T, d.second_til)
-    layer.second_backward(p.second, a.second, a.second_bar, d.second, d.second_til, result.second)
-    np.dot(a.first.h.T, d.second_til, result.second.weight)
-    add_product(d.first.h, a.second_bar.z, d.product, result.second.weight)
-
-    np.dot(d.second_til, p.second.weight.T, d.first_til)
-    layer.second_backward(p.first, a.first, a.first_bar, d.first, d.first_til, result.first)
-    np.dot(a.x.T, d.first_til, result.first.weight)
-    add_product(d.x, a.first_bar.z, d.product, result.first.weight)
+    shape = p.shape
+    layers, rows, last = len(shape.hidden), a.x.shape[0], output_layer(result)
+    np.dot(layer_inputs(a.x, a.h, shape, layers).T, d.out_til, last.weight)
+    add_product(layer_inputs(d.x, d.h, shape, layers), a.out_bar, d.product, last.weight)
+    column_sums(d.out_til, last.bias)
+    np.dot(d.out_til, output_layer(p).weight.T, of_layer(d.til, rows, shape, layers - 1))
+    for k in range(layers - 1, -1, -1):
+        own, of_result = hidden_layer(p, k), hidden_layer(result, k)
+        adjoint, til = adjoint_of(a, shape, k), of_layer(d.til, rows, shape, k)
+        layer.second_backward(
+            own, shape.activation, trace_of(a, shape, k), adjoint, tangent_of(d, shape, k),
+            til, of_result,
+        )  # fmt: skip
+        np.dot(layer_inputs(a.x, a.h, shape, k).T, til, of_result.weight)
+        add_product(layer_inputs(d.x, d.h, shape, k), adjoint.z, d.product, of_result.weight)
+        if k > 0:
+            np.dot(til, own.weight.T, of_layer(d.til, rows, shape, k - 1))
 
 
 @compiled_fast

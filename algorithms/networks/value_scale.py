@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from algorithms.early_end import NotFiniteQuantityError
 from algorithms.networks import network
-from algorithms.networks.network import Shape
+from algorithms.networks.network import Parameters, Shape
 from algorithms.networks.optimizer import Learned
 from algorithms.networks.scaling import Statistics
 
@@ -70,12 +70,12 @@ def rewrite_fit(fitted: Learned, shape: Shape, change: UnitChange) -> None:
     ratio, shift = np.float32(change.ratio), np.float32(change.shift)
     for theta in (fitted.theta, fitted.target):
         if theta.size:
-            p = network.parameters(theta, shape)
-            p.weight[:] *= ratio
-            p.bias[:] = p.bias * ratio + shift
+            last = network.output_layer(Parameters(theta, shape))
+            last.weight[:] *= ratio
+            last.bias[:] = last.bias * ratio + shift
     by_parameter = np.full(fitted.theta.size, ratio**2)
-    output = network.parameters(by_parameter, shape)
-    output.weight[:] = output.bias[:] = ratio
+    last = network.output_layer(Parameters(by_parameter, shape))
+    last.weight[:] = last.bias[:] = ratio
     rescale_moments(fitted, by_parameter)
 
 

@@ -100,7 +100,7 @@ class MPCLearner:
     def advance(self) -> list[Measurement | EarlyEnd]:
         """Do one iteration of every plan, or the action they have come to.
 
-        Runs that were taken up ahead of others wait for them.
+        Runs that were restored ahead of others wait for them.
         """
         ends = self._lose()
         measured = self._advance() if self._histories else []
@@ -139,7 +139,7 @@ class MPCLearner:
         return {}
 
     def restore(self, saved: Mapping[int, Saved]) -> None:
-        """Take up every run where it was left."""
+        """Restore every run as it was saved."""
         for p, history in enumerate(self._histories):
             state = saved[history.seed].state
             self._times[p] = state["time"]
@@ -246,7 +246,7 @@ def first_plans(
     environment: Environment, seeds: Sequence[int], hidden_units: int
 ) -> tuple[Episodes, Failures]:
     """An episode of each seed's initial actor, which sees features as they are; and what failed."""
-    shape = Shape(environment.feature_size, hidden_units, environment.action_size)
+    shape = Shape(environment.feature_size, (hidden_units,) * 2, environment.action_size)
     mean = np.zeros(shape.inputs, np.float32)
     actors = [
         deterministic(

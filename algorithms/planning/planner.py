@@ -58,7 +58,7 @@ class Planner:
         episodes: the trajectories, which iterations improve in place.
         is_active: bool [P], whose plan has not converged.
         iterations: int [P], iterations so far.
-        jacobians: int [P], Jacobians of a step worked out so far.
+        jacobians: int [P], Jacobians of a step computed so far.
         simulated: int [P], steps that line searches have simulated so far.
         failures: how plans failed that can't go on, by their index; others are not concerned.
     """
@@ -89,7 +89,7 @@ class Planner:
     def begin(self, plans: Integers) -> None:
         """Take these plans as not converged, whatever came of them before.
 
-        Regularisation goes on from where it was left; where none was enough, it starts anew.
+        Regularisation continues from its last value; where none was enough, it starts again.
         """
         self.is_active[plans] = True
         spent = plans[self.regularisation.level[plans] > LARGEST]
@@ -133,7 +133,7 @@ class Planner:
             adapt(plans, gain, self.regularisation, self.is_active)
 
     def state(self, p: int) -> State:
-        """All that the next bits of plan p depend on; its expansion is worked out again."""
+        """All that the next bits of plan p depend on; its expansion is recomputed."""
         own = {name: getattr(self, name)[p] for name in COUNTS}
         parts = self.episodes._asdict() | self.regularisation._asdict()
         return {name: np.asarray(array) for name, array in own.items()} | {
@@ -141,7 +141,7 @@ class Planner:
         }
 
     def restore(self, p: int, start: int, state: State) -> None:
-        """Take up what `state` gave, for a plan whose window begins at step `start`.
+        """Restore what `state` returned, for a plan whose window begins at step `start`.
 
         Raises:
             KeyError, ValueError: for a state that is not of this task.

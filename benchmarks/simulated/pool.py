@@ -39,7 +39,7 @@ class PretendedWorker:
         """Take a cohort up, in its midst where measurements are told already."""
         self.work, self.told, self.began = work, told, now - told
         first = Progress(0, Activity.COMPILING)
-        return [Busy(self.name, work.cohort, work.note), News(self.name, work.cohort, first)]
+        return [Busy(self.name, work), News(self.name, work.cohort, first)]
 
     def due_after(self, now: float) -> float:
         """When the next report is due."""

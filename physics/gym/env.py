@@ -1,4 +1,4 @@
-"""Gymnasium's face of the tasks: `gymnasium.make("d3pg/Pendulum-v0")`.
+"""The tasks as Gymnasium environments: `gymnasium.make("d3pg/Pendulum-v0")`.
 
     observation   the features of the state, float64: what a network sees
     action        Box(-1, 1), float32 or float64; clipped beyond
@@ -58,7 +58,7 @@ class GymnasiumEnvironment(gymnasium.Env[FloatArray, NDArray[np.float32]]):
         """Start an episode; the same seed, the same episode.
 
         Raises:
-            ValueError: for an unknown option, and for a state that is none of the task's.
+            ValueError: for an unknown option, and for a state outside the task's domain.
         """
         asked = checked_options(options, {"state"})
         states = checked_states(self.task, asked["state"]) if "state" in asked else None

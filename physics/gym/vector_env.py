@@ -55,7 +55,7 @@ class GymnasiumVectorEnvironment(VectorEnv[FloatArray, NDArray[np.float32], NDAr
 
         Args:
             task: a name that `physics.names()` lists.
-            num_envs: how many episodes go on at a time, from 1 on.
+            num_envs: how many episodes run at a time, from 1 on.
             max_episode_steps: after how many steps an episode is truncated; None for the task's
                 horizon, -1 for never, as in `gymnasium.make`.
             render_mode: None or "rgb_array".
@@ -107,7 +107,7 @@ class GymnasiumVectorEnvironment(VectorEnv[FloatArray, NDArray[np.float32], NDAr
                 "reset_mask", bool [num_envs].
 
         Raises:
-            ValueError: for unknown options, for states that are none of the task's, for a mask of
+            ValueError: for unknown options, for states outside the task's domain, for a mask of
                 another shape or dtype or without a row, and for too few or too many seeds.
             ResetNeeded: for a mask that leaves out rows in which no episode was ever started.
         """

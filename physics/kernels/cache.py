@@ -3,37 +3,102 @@
 numba reads what lies on the disk as it is: a file cut short is an `EOFError` at every use, and one
 with a flipped bit is other machine code. Here a file without its seal counts as missing: its kernel
 is compiled again and the file replaced. Where nothing can be written, nothing is kept.
+
+Of several processes that need a kernel at the same time, one compiles it and the others wait for
+its file. The lock is the operating system's: it goes with the process that holds it.
 """
 
 import hashlib
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
+from functools import wraps
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-from numba.core import caching
+from filelock import FileLock, Timeout
+from numba.core import caching, event
+from numba.core.compiler_lock import global_compiler_lock
 
 _caching: Any = caching  # without types
+_events: Any = event
+_compiler_lock: Any = global_compiler_lock
 _SEAL = hashlib.sha256().digest_size
+
+WAITING = "d3pg:waiting_for_kernel"
+"""The event, one of numba's, of waiting for a kernel that another process compiles."""
+PATIENCE_SECONDS = 600.0
+"""After so long a kernel is compiled here too: the other process may have been suspended."""
+
+
+class _Folder(_caching.UserProvidedCacheLocator):  # type: ignore[misc]
+    """numba's `CACHE_DIR`, without a folder in it for the place of the source."""
+
+    @classmethod
+    def get_suitable_cache_subpath(cls, py_file: str) -> str:
+        """None: what `CACHE_DIR` is called tells the source."""
+        del py_file
+        return ""
+
+
+class _MachineCode(_caching.CompileResultCacheImpl):  # type: ignore[misc]
+    """numba's results, kept there."""
+
+    _locator_classes = (_Folder,)
 
 
 class KernelCache(_caching.FunctionCache):  # type: ignore[misc]
     """The machine code of one function."""
 
+    _impl_class = _MachineCode
+
     def __init__(self, function: Callable[..., Any]) -> None:
-        """Look where numba would, which is in its `CACHE_DIR` of this moment."""
+        """Look in numba's `CACHE_DIR` of this moment."""
         super().__init__(function)
         self._cache_file = _SealedFiles(
             cache_path=self.cache_path,
             filename_base=self._impl.filename_base,
             source_stamp=self._impl.locator.get_source_stamp(),
         )
+        self._lock_path = Path(self.cache_path, f"{self._impl.filename_base}.lock")
+        self._until_saved = ExitStack()
+
+    def one_compiles(self, compile_kernel: Callable[[Any], Any]) -> Callable[[Any], Any]:
+        """The dispatcher's `compile`, in which `load_overload` makes other processes wait."""
+
+        @wraps(compile_kernel)
+        def compile_or_wait(signature: Any) -> Any:
+            with _compiler_lock, ExitStack() as self._until_saved:
+                return compile_kernel(signature)
+
+        return compile_or_wait
+
+    def load_overload(self, signature: Any, target: Any) -> Any:
+        """Return what is kept; None: it is to be compiled, and other processes wait meanwhile."""
+        kept = super().load_overload(signature, target)
+        if kept is None:
+            self._until_saved.enter_context(_locked(self._lock_path))
+            kept = super().load_overload(signature, target)
+        return kept
 
     def save_overload(self, signature: Any, data: Any) -> None:
         """Keep what was compiled; a full disk, say, only means that it is compiled again."""
         with suppress(OSError):
             super().save_overload(signature, data)
+
+
+@contextmanager
+def _locked(path: Path) -> Iterator[None]:
+    """Hold the lock; go without where it cannot be made, or another process keeps it too long."""
+    lock = FileLock(path)
+    with ExitStack() as held:
+        with suppress(OSError):  # a Timeout is one too
+            try:
+                held.enter_context(lock.acquire(blocking=False))
+            except Timeout:
+                with _events.trigger_event(WAITING):
+                    held.enter_context(lock.acquire(timeout=PATIENCE_SECONDS))
+        yield
 
 
 class _SealedFiles(_caching.IndexDataCacheFile):  # type: ignore[misc]

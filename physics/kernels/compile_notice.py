@@ -1,8 +1,9 @@
-"""Compile notice: whoever waits for kernels to be compiled is told so, on stderr.
+"""Compile notice: says on stderr that kernels are being compiled.
 
     compiling kernels for Pendulum (once on this machine) ........ 2.1 s
 
-One dot a kernel. Where all kernels come from the cache, nothing is written.
+One dot a kernel, compiled here or by another process meanwhile. Where all kernels come from the
+cache, nothing is written.
 """
 
 import sys
@@ -13,10 +14,12 @@ from typing import Any, TextIO, TypeVar
 
 from numba.core import event
 
+from physics.kernels.cache import WAITING
+
 T = TypeVar("T")
 
 _events: Any = event  # without types
-_COMPILING = "numba:compile"  # numba's event; loading from the cache is none
+_COMPILING = ("numba:compile", WAITING)  # events; loading from the cache is none
 
 
 class _Notice(event.Listener):
@@ -59,11 +62,13 @@ class _Notice(event.Listener):
 def compile_notice(purpose: str) -> Iterator[None]:
     """Say that kernels are being compiled, and what for, whenever any are meanwhile."""
     notice = _Notice(purpose, sys.stderr)
-    _events.register(_COMPILING, notice)
+    for kind in _COMPILING:
+        _events.register(kind, notice)
     try:
         yield
     finally:
-        _events.unregister(_COMPILING, notice)
+        for kind in _COMPILING:
+            _events.unregister(kind, notice)
         notice.close()
 
 

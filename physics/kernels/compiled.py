@@ -3,7 +3,7 @@
 Numba keeps compiled kernels on disk, but looks at the kernel's own file alone: it would go on using
 an old kernel after a function in another file, which that kernel calls, was changed. So the kernels
 of a file lie in a folder named after a hash of that file and of all it imports: a change compiles
-again what it may concern, and nothing else.
+again what it may concern, and nothing else, and every checkout of the same source finds the same.
 """
 
 import os
@@ -16,6 +16,7 @@ import numba
 
 from physics.kernels import source_closure
 from physics.kernels.cache import KernelCache
+from physics.kernels.linking import Kernel
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -26,31 +27,34 @@ _REORDERED = {"reassoc", "contract", "nsz", "arcp"}
 
 def compiled(function: F) -> F:
     """Compile a physics kernel: IEEE arithmetic as written, GIL released, kept on disk."""
-    return _jit(function, fastmath=False)
+    return _kernel(function, fastmath=False)
 
 
 def compiled_fast(function: F) -> F:
     """Compile a network kernel: as `compiled`, but sums may be reordered and fused.
 
-    Always inlined. A callee with a body of its own is in memory twice, once for itself and once in
-    its caller, each reordered in its own way; which of the two a process runs depends on whether it
-    compiled the callee or found the caller in the cache. Then the bits would, too.
+    How a loop is reordered must not depend on where its arrays lie. So no loop both sums and
+    stores: whether such a loop may be vectorised is found out as it runs, from how far apart its
+    arrays are, and a vectorised sum has other bits.
     """
-    return _jit(function, fastmath=_REORDERED)
+    return _kernel(function, fastmath=_REORDERED)
 
 
-def _jit(function: F, fastmath: bool | set[str]) -> F:
+def _kernel(function: F, fastmath: bool | set[str]) -> F:
     """Compile `function` with our cache folder, leaving numba's own setting to other packages."""
     config: Any = numba.config
+    if config.DISABLE_JIT:  # to look for a mistake in Python
+        return function
     others = config.CACHE_DIR
     folder = _cache_folder(function.__code__.co_filename)
     config.CACHE_DIR = str(folder)
     try:
-        kernel: Any = numba.njit(
-            nogil=True, error_model="numpy", fastmath=fastmath, forceinline=bool(fastmath)
-        )(function)
+        kernel: Any = Kernel(
+            function, {"nogil": True, "error_model": "numpy", "fastmath": fastmath}
+        )
         if _can_keep(folder):
             kernel._cache = KernelCache(function)  # as `cache=True` sets numba's own
+            kernel.compile = kernel._cache.one_compiles(kernel.compile)
         return cast("F", kernel)
     finally:
         config.CACHE_DIR = others

@@ -14,7 +14,7 @@ import numpy as np
 from service.analysis.curves import Band, Curve, Floats, Series, aggregate
 from service.model.entry import Entries, Entry
 from service.model.run import RunStatus, unfinished
-from service.model.run_curve import RunCurve
+from service.model.run_curve import RETURNS, RunCurve
 from workers.messages.random_return import RandomReturn
 from workers.messages.run_spec import RunSpec
 
@@ -22,7 +22,7 @@ Item = TypeVar("Item")
 Key = TypeVar("Key")
 
 Abscissa = Literal["timesteps", "updates", "jacobians", "seconds"]
-RETURNS = frozenset({"return_mean", "return_history"})
+MAX_TOTAL_POINTS = 500_000
 
 BAND_TEXT: Mapping[Band, str] = {
     "std": "one standard deviation (ddof 1)",
@@ -51,17 +51,35 @@ METRIC_TEXT = {
 
 @dataclass(frozen=True)
 class View:
-    """What is asked of a sweep: a metric over an abscissa, with a band, in so many points."""
+    """What is asked of a sweep: a metric over an abscissa, with a band, in so many points.
+
+    max_points   of a curve; fewer where all lines together would have more than MAX_TOTAL_POINTS
+    algorithms   whose runs; empty: all
+    environment  in which task; empty: all
+    with_seeds   each run is a line of its own, beside the mean of its curve
+    """
 
     metric: str
     normalized: bool
     band: Band
     x: Abscissa
     max_points: int
+    algorithms: tuple[str, ...] = ()
+    environment: str = ""
+    with_seeds: bool = False
+
+    def has(self, spec: RunSpec) -> bool:
+        """Whether runs of that spec are asked for."""
+        is_asked = not self.algorithms or spec.algorithm in self.algorithms
+        return is_asked and self.environment in ("", spec.environment)
+
+    def points(self, lines: int) -> int:
+        """Return how many points each of so many lines may have."""
+        return min(self.max_points, max(2, MAX_TOTAL_POINTS // max(1, lines)))
 
 
 @dataclass(frozen=True)
-class Seed:
+class SeedCurve:
     """One run of a curve."""
 
     seed: int
@@ -77,7 +95,7 @@ class LabelledCurve:
     spec: RunSpec
     label: str
     curve: Curve
-    seeds: tuple[Seed, ...]
+    seeds: tuple[SeedCurve, ...]
 
     @property
     def unfinished(self) -> dict[str, int]:
@@ -111,17 +129,20 @@ def compare(
     random_returns: Mapping[tuple[str, int], RandomReturn],
     best_return: Callable[[str], float],
 ) -> Comparison:
-    """Return the comparison of a sweep's runs, panels and curves in the order of the runs.
+    """Return the comparison of those runs of a sweep that the view asks for, in their order.
 
     `entries` are those of the sweep's request. `random_returns` are by (environment, version);
     `best_return(environment)` is max_reward times horizon.
     """
+    shown = [run for run in run_curves if view.has(run.spec)]
+    lines = {(run.spec.environment, entries.label(run.run_id)) for run in shown}
+    points = view.points(len(shown) if view.with_seeds else len(lines))
     panels = []
-    for environment, runs in grouped(run_curves, lambda run: run.spec.environment).items():
+    for environment, runs in grouped(shown, lambda run: run.spec.environment).items():
         zero = random_returns.get((environment, runs[0].environment_version))
         start, unit = scale(zero, best_return(environment)) if view.normalized else (0.0, 1.0)
         curves = [
-            _curve(entry_runs, label, view, start, unit)
+            _curve(entry_runs, label, view.band, points, start, unit)
             for label, entry_runs in grouped(runs, lambda run: entries.label(run.run_id)).items()
         ]
         panels.append(Panel(environment, zero, tuple(curves)))
@@ -172,13 +193,13 @@ def scale(zero: RandomReturn | None, best_return: float) -> tuple[float, float]:
 
 
 def _curve(
-    runs: Sequence[RunCurve], label: str, view: View, start: float, unit: float
+    runs: Sequence[RunCurve], label: str, band: Band, points: int, start: float, unit: float
 ) -> LabelledCurve:
     with np.errstate(all="ignore"):
         series = [Series(run.x, (run.values - start) / unit) for run in runs]
-    curve = aggregate(series, view.band, view.max_points)
+    curve = aggregate(series, band, points)
     seeds = tuple(
-        Seed(run.spec.seed, run.run_id, run.status, values)
+        SeedCurve(run.spec.seed, run.run_id, run.status, values)
         for run, values in zip(runs, curve.values, strict=True)
     )
     return LabelledCurve(runs[0].spec, label, curve, seeds)

@@ -15,6 +15,7 @@ from starlette.concurrency import run_in_threadpool
 
 from service.api.access_token import access_token
 from service.api.body_limit import BodyLimit
+from service.api.context import Workforce
 from service.api.event_feed import EventFeed
 from service.api.logs import AccessLog
 from service.api.problem_schema import describe_problems
@@ -27,7 +28,6 @@ from service.api.routes import (
     figures,
     health,
     measurements,
-    metrics,
     moves,
     pages,
     rollouts,
@@ -36,7 +36,6 @@ from service.api.routes import (
     signin,
     sweeps,
 )
-from service.api.routes.context import Dispatcher
 from service.api.security import Guard
 from service.api.side_process import SideProcess
 from service.settings import Settings
@@ -64,7 +63,7 @@ async def lifespan(app: FastAPI) -> AsyncIterator[None]:
     await run_in_threadpool(app.state.side.close)
 
 
-def create_app(settings: Settings, store: Store, dispatcher: Dispatcher) -> FastAPI:
+def create_app(settings: Settings, store: Store, dispatcher: Workforce) -> FastAPI:
     """Make the application on an open store; `dispatcher` says whether runs can start."""
     app = FastAPIOffline(
         docs_url=None,
@@ -89,7 +88,7 @@ def create_app(settings: Settings, store: Store, dispatcher: Dispatcher) -> Fast
     api = APIRouter(prefix=PREFIX)
     for resource in RESOURCES:
         api.include_router(resource.router)
-    for router in (api, health.router, metrics.router, signin.router):
+    for router in (api, health.router, signin.router):
         app.include_router(router)
     documentation.add_documentation(app)
     pages.add_pages(app)

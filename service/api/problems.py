@@ -76,7 +76,7 @@ class ImpossibleMove(ConflictProblem):
     title = "That cannot be done now."
 
 
-class Busy(StatusProblem):
+class ServiceBusy(StatusProblem):
     """503: later, perhaps."""
 
     type_ = "busy"

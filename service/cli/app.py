@@ -15,14 +15,15 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from service.cli import db, demo, paper
-from service.cli.doctor import doctor
+from service.cli import paper
 from service.cli.exporting import export, plot, table
 from service.cli.following import watch
+from service.cli.host import db, demo
+from service.cli.host.doctor import doctor
+from service.cli.host.serving import serve
 from service.cli.listing import ls, show
 from service.cli.moving import command_of
 from service.cli.rolling import rollout
-from service.cli.serving import serve
 from service.cli.submitting import submit
 from service.cli.terminal import AsJson, console, say
 from service.cli.verifying import verify

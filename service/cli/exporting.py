@@ -7,47 +7,23 @@ import io
 import json
 import sys
 from collections.abc import Iterable, Iterator
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from service.analysis.figures.figure_form import MEDIA_TYPES
+from service.analysis.figures.paper_figure import FigureNumber
+from service.analysis.statistics.score import Score
 from service.api.schemas.run_answer import RunAnswer
 from service.api.schemas.score_table_answer import StandingAnswer, inert
 from service.cli.terminal import AsJson, Identifier, SweepId, print_json, print_table, say
-from service.client import Client, is_run
+from service.client import Client, TableText
+from service.model.run_name import is_run
 
 SPEC_COLUMNS = ("run", "label", "algorithm", "environment", "w1", "w2", "config", "seed")
 
 Row = dict[str, Any]
-
-
-class Written(StrEnum):
-    """The forms of the table as text."""
-
-    CSV = "csv"
-    MARKDOWN = "markdown"
-    LATEX = "latex"
-
-
-class ScoreName(StrEnum):
-    """The scores of a run."""
-
-    FINAL = "final"
-    RETURN_HISTORY = "return_history"
-    AREA = "area"
-
-
-class PaperFigure(StrEnum):
-    """The paper's figures: of the critic, of the die, and of curves."""
-
-    TWO = "2"
-    THREE = "3"
-    FOUR = "4"
-    FIVE = "5"
-    SIX = "6"
 
 
 def export(
@@ -82,7 +58,7 @@ def measurement_rows(client: Client, runs: Iterable[RunAnswer]) -> Iterator[Row]
     for run in runs:
         config = json.dumps(run.config, sort_keys=True)
         spec = (run.id, inert(run.label), inert(run.algorithm), inert(run.environment),
-                run.weights.w1, run.weights.w2, inert(config), run.seed)  # fmt: skip
+                *run.weights.pair, inert(config), run.seed)  # fmt: skip
         for row in client.measurement_rows(run.id):
             yield dict(zip(SPEC_COLUMNS, spec, strict=True)) | row
 
@@ -100,20 +76,20 @@ def written(rows: list[Row]) -> str:
 def table(
     sweep_id: SweepId,
     form: Annotated[
-        Written | None, typer.Option("--format", help="As text to paste; else as a table.")
+        TableText | None, typer.Option("--format", help="As text to paste; else as a table.")
     ] = None,
     score: Annotated[
-        ScoreName,
+        Score,
         typer.Option(help="At the run's end; as in the paper's table 1; or along the whole run."),
-    ] = ScoreName.FINAL,
+    ] = "final",
     raw: Annotated[bool, typer.Option("--raw", help="Raw returns, not normalised.")] = False,
     as_json: AsJson = False,
 ) -> None:
     """Print what every learner reached in every task."""
-    asked: dict[str, str | bool] = {"score": score.value, "normalized": not raw}
+    asked: dict[str, str | bool] = {"score": score, "normalized": not raw}
     with Client() as client:
         if form is not None and not as_json:
-            sys.stdout.write(client.table_text(sweep_id, form.value, **asked))
+            sys.stdout.write(client.table_text(sweep_id, form, **asked))
             return
         answer = client.table(sweep_id, **asked)
     if as_json:
@@ -144,7 +120,7 @@ def plot(
     sweep_id: SweepId,
     output: Annotated[Path, typer.Option("--output", "-o", help="A .png, .svg or .pdf file.")],
     figure: Annotated[
-        PaperFigure | None, typer.Option(help="A figure of the paper; else every curve.")
+        FigureNumber | None, typer.Option(help="A figure of the paper; else every curve.")
     ] = None,
     raw: Annotated[bool, typer.Option("--raw", help="Raw returns, not normalised.")] = False,
     as_json: AsJson = False,
@@ -159,7 +135,7 @@ def plot(
         picture = (
             client.figure(sweep_id, form, normalized=not raw)
             if figure is None
-            else client.figure(sweep_id, form, figure.value)
+            else client.figure(sweep_id, form, figure)
         )
     output.write_bytes(picture)
     say(json.dumps({"file": str(output)}) if as_json else f"Wrote {output}")

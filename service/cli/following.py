@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable, Iterator
+from itertools import islice
 
 import typer
 from rich.console import Console, Group
 from rich.live import Live
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
+from rich.text import Text
 
 from service.api.schemas.curves_answer import CurveAnswer
 from service.api.schemas.run_answer import RunAnswer
@@ -17,6 +19,8 @@ from service.cli.terminal import AsJson, SweepId, console, plain, print_table, s
 from service.client import Client
 
 MAX_NAME = 24
+MAX_NAMED = 4
+MAX_LOOKED_AT = 100
 HEADINGS = ("task", "learner", "timestep", "return_history", "n")
 
 Progressed = Callable[[SweepAnswer], None]
@@ -75,9 +79,8 @@ def _follow_live(client: Client, sweep: SweepAnswer, console: Console) -> SweepA
             progress.update(
                 bar, completed=sweep.progress, eta=eta_text(sweep), counts=counts_text(sweep)
             )
-            live.update(
-                Group(progress, table_of(HEADINGS, standings(client, sweep.id), console.width))
-            )
+            table = table_of(HEADINGS, standings(client, sweep.id), console.width)
+            live.update(Group(progress, table, Text(starting_text(client, sweep))))
 
         return client.wait(sweep.id, progressed=progressed)
 
@@ -85,9 +88,13 @@ def _follow_live(client: Client, sweep: SweepAnswer, console: Console) -> SweepA
 def _follow_lines(client: Client, sweep: SweepAnswer, console: Console) -> SweepAnswer:
     """Plain lines, one for every tenth of the way: what a log file wants."""
     shown = -1
+    starting = ""
 
     def progressed(sweep: SweepAnswer) -> None:
-        nonlocal shown
+        nonlocal shown, starting
+        before, starting = starting, starting_text(client, sweep)
+        if starting not in ("", before):
+            say(starting, console)
         tenth = int(sweep.progress * 10)
         if tenth > shown:
             shown = tenth
@@ -121,6 +128,18 @@ def standings(client: Client, sweep_id: str) -> list[tuple[str, ...]]:
         for panel in curves.panels
         for curve in panel.curves
     ]
+
+
+def starting_text(client: Client, sweep: SweepAnswer) -> str:
+    """Name the runs whose kernels are being loaded or compiled; nothing where there are none."""
+    if not sweep.runs.running:
+        return ""
+    running = client.runs(sweep.id, status="running", sort="timestep", limit=MAX_LOOKED_AT)
+    names = [run.id for run in islice(running, MAX_LOOKED_AT) if run.is_starting]
+    if not names:
+        return ""
+    others = f" and {len(names) - MAX_NAMED} more" if len(names) > MAX_NAMED else ""
+    return f"Kernels are loaded, or compiled at first use: {', '.join(names[:MAX_NAMED])}{others}"
 
 
 def _latest(curve: CurveAnswer) -> tuple[str, str, str]:

@@ -12,9 +12,10 @@ from service.api.schemas.run_answer import AttemptAnswer, ListedRunAnswer, RunAn
 from service.api.schemas.sweep_answer import SweepAnswer
 from service.cli.following import counts_text, eta_text
 from service.cli.terminal import AsJson, Identifier, print_json, print_table, say
-from service.client import Client, is_run
+from service.client import Client
 from service.model.entry import setting_text
 from service.model.run import RunStatus
+from service.model.run_name import is_run
 
 LOG_LINES = 20
 
@@ -66,8 +67,8 @@ def list_runs(runs: list[ListedRunAnswer], limit: int, as_json: bool) -> None:
     print_table(
         ("run", "status", "learner", "w1", "w2", "task", "seed", "timestep", "reason"),
         [
-            (r.id, r.status, r.label, setting_text(r.weights.w1), setting_text(r.weights.w2),
-             r.environment, r.seed, f"{r.timestep}/{r.timesteps}", r.reason)
+            (r.id, r.status, r.label, *map(setting_text, r.weights.pair),
+             r.environment, r.seed, f"{r.timestep}/{r.timesteps}", r.remark)
             for r in runs[:limit]
         ],
     )  # fmt: skip
@@ -111,9 +112,9 @@ def show_sweep(sweep: SweepAnswer, url: str) -> None:
 def show_run(run: RunAnswer, attempts: list[AttemptAnswer]) -> None:
     """Print a run, a line a fact, then its attempts and what the last one printed."""
     settings = ", ".join(f"{name} = {setting_text(value)}" for name, value in run.config.items())
-    w1, w2 = setting_text(run.weights.w1), setting_text(run.weights.w2)
+    w1, w2 = map(setting_text, run.weights.pair)
     say(f"run        {run.id}")
-    say(f"status     {run.status}{': ' * bool(run.reason)}{run.reason}")
+    say(f"status     {run.status}{': ' * bool(run.remark)}{run.remark}")
     say(f"learner    {run.label}")
     say(f"algorithm  {run.algorithm}, w1 = {w1}, w2 = {w2}")
     say(f"settings   {settings or 'the defaults'}")

@@ -15,12 +15,13 @@ import typer
 
 from service.api.schemas.sweep_answer import SweepAnswer
 from service.cli.following import follow
-from service.cli.own_service import data_dir, own_service
+from service.cli.host.own_service import data_dir, own_service
 from service.cli.terminal import console, say
 from service.client import Client, ServiceError
 from service.paper import results, tuning
 from service.paper.evaluation import SEEDS, evaluation
 from service.paper.tuning import Outcome
+from workers.messages.run_spec import Weights
 
 app = typer.Typer(name="paper")
 
@@ -161,7 +162,7 @@ def read_tuning(folder: Path) -> list[Outcome]:
             Outcome(
                 row["environment"],
                 row["algorithm"],
-                (float(row["w1"]), float(row["w2"])),
+                Weights(float(row["w1"]), float(row["w2"])),
                 json.loads(row["config"]),
                 float(row["area"]),
                 float(row["end"]),

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import sys
 import warnings
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
-import yaml
 
 from service.api.schemas.sweep_answer import CellAnswer, CostAnswer, DryRunAnswer
 from service.cli.following import follow
+from service.cli.sweep_file import Json, read_request
 from service.cli.terminal import AsJson, console, print_json, print_table, say
 from service.client import Client, SubmissionNotice
 from service.model.entry import setting_text
-
-Json = dict[str, Any]
+from workers.messages.run_spec import Weights
 
 
 def submit(
@@ -79,30 +77,13 @@ def algorithm_of(text: str) -> Json:
     if not colon:
         return {"name": name}
     try:
-        w1, w2 = (float(weight) for weight in pair.split(","))
-    except ValueError as error:
+        weights = Weights._make(map(float, pair.split(",")))
+    except (ValueError, TypeError) as error:
         raise typer.BadParameter(
             f"{text!r} is no algorithm: write NAME or NAME:W1,W2, as in hybrid-ddpg:0.1,0.01",
             param_hint="--algorithm",
         ) from error
-    return {"name": name, "weights": {"w1": w1, "w2": w2}}
-
-
-def read_request(file: Path) -> Json:
-    """The sweep in a YAML file; raises typer.BadParameter with what is wrong with it."""
-    try:
-        text = sys.stdin.read() if str(file) == "-" else file.read_text(encoding="utf-8")
-        request = yaml.safe_load(text)
-    except OSError as error:
-        raise typer.BadParameter(f"cannot read {file}: {error.strerror}") from error
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise typer.BadParameter(f"{file} is not YAML: {error}") from error
-    if not isinstance(request, dict):
-        raise typer.BadParameter(
-            f"{file} must hold a mapping with the keys algorithms, environments, seeds and "
-            f"timesteps, not a {type(request).__name__}"
-        )
-    return request
+    return {"name": name, "weights": weights._asdict()}
 
 
 def show_estimate(answer: DryRunAnswer, as_json: bool) -> None:
@@ -135,8 +116,8 @@ def counted_runs(count: int) -> str:
 
 def cell_columns(cell: CellAnswer) -> tuple[object, ...]:
     """Task, learner, weights and timesteps."""
-    w1, w2 = setting_text(cell.weights.w1), setting_text(cell.weights.w2)
-    return cell.environment, cell.label, w1, w2, cell.timesteps
+    weights = map(setting_text, cell.weights.pair)
+    return cell.environment, cell.label, *weights, cell.timesteps
 
 
 def cost_text(cost: CostAnswer) -> str:

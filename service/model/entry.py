@@ -13,6 +13,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from service.model.run_name import RunName
+from workers.messages.run_spec import Weights
+
 Json = Mapping[str, Any]
 
 LARGEST_WHOLE = 1e16  # above it, floats are shown by their exponent
@@ -23,7 +26,7 @@ class Entry:
     """One entry of a request.
 
     field         where in the request: `algorithms[1]`, `algorithms[1].weights[0]`
-    weights       (w1, w2); None: the preset's
+    weights       None: the preset's
     config        the settings it states
     environments  those of the sweep's that it runs in
     label         its name: the algorithm, and what tells it from its siblings
@@ -31,7 +34,7 @@ class Entry:
 
     field: str
     algorithm: str
-    weights: tuple[float, float] | None
+    weights: Weights | None
     config: Json
     environments: tuple[str, ...]
     label: str = ""
@@ -39,8 +42,8 @@ class Entry:
     @property
     def stated(self) -> dict[str, Any]:
         """Weights and settings that it states, by name, weights first."""
-        pair = dict(zip(("w1", "w2"), self.weights, strict=True)) if self.weights else {}
-        return {**pair, **dict(sorted(self.config.items()))}
+        weights = {} if self.weights is None else self.weights._asdict()
+        return {**weights, **dict(sorted(self.config.items()))}
 
 
 class Entries:
@@ -66,9 +69,9 @@ class Entries:
         self._seeds = request["seeds"]
 
     def label(self, run_id: str) -> str:
-        """Return the name of the entry that a run (`<sweep>-<ordinal>`) is of."""
+        """Return the name of the entry that a run is of."""
         seeds = self._seeds if isinstance(self._seeds, int) else len(self._seeds)
-        _, entry = self.cells[int(run_id.rpartition("-")[2]) // seeds]
+        _, entry = self.cells[RunName.parse(run_id).ordinal // seeds]
         return entry.label
 
 
@@ -80,7 +83,7 @@ def _entries(field: str, algorithm: Json, everywhere: tuple[str, ...]) -> list[E
         Entry(
             field=f"{field}.weights[{place}]" if is_listed else field,
             algorithm=algorithm["name"],
-            weights=None if pair is None else (pair.get("w1", 0.0), pair.get("w2", 0.0)),
+            weights=None if pair is None else Weights(**pair),
             config=algorithm.get("config") or {},
             environments=tuple(algorithm.get("environments") or everywhere),
         )

@@ -1,7 +1,7 @@
 """What the service knows of an environment: its declared constants, never its dynamics."""
 
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cache
 from typing import TYPE_CHECKING, Self
 
@@ -29,17 +29,7 @@ class EnvironmentFacts:
     @classmethod
     def of(cls, environment: "Environment") -> Self:
         """Read them off an environment."""
-        return cls(
-            name=environment.name,
-            version=environment.version,
-            state_size=environment.state_size,
-            action_size=environment.action_size,
-            feature_size=environment.feature_size,
-            horizon=environment.horizon,
-            max_reward=environment.max_reward,
-            reward_is_differentiable=environment.reward_is_differentiable,
-            regimes=environment.regimes,
-        )
+        return cls(**{field.name: getattr(environment, field.name) for field in fields(cls)})
 
     @property
     def best_return(self) -> float:

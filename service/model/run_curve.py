@@ -8,6 +8,9 @@ from numpy.typing import NDArray
 from service.model.run import RunStatus
 from workers.messages.run_spec import RunSpec
 
+RETURNS = ("return_mean", "return_history")
+"""The metrics that every run has; any other is a diagnostic."""
+
 
 @dataclass(frozen=True)
 class RunCurve:

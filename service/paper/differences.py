@@ -22,6 +22,7 @@ from algorithms import catalogue
 from service.analysis.curves import Floats
 from service.analysis.statistics.paired_difference import area_gained
 from service.analysis.statistics.stratified_bootstrap import Estimate, draw_counts, estimate
+from workers.messages.run_spec import NO_WEIGHTS, Weights
 
 Columns = Mapping[str, Floats]
 
@@ -38,7 +39,7 @@ class MeasuredRun:
 
     algorithm: str
     environment: str
-    weights: tuple[float, float]
+    weights: Weights
     seed: int
     columns: Columns
 
@@ -49,7 +50,7 @@ class Gain:
 
     environment: str
     algorithm: str
-    weights: tuple[float, float]
+    weights: Weights
     cost: str
     n: int
     wins: int
@@ -58,12 +59,12 @@ class Gain:
 
 def gains(runs: Sequence[MeasuredRun], units: Mapping[str, float]) -> Iterator[Gain]:
     """Yield the gains of every hybrid whose baseline was run; `units` by environment."""
-    cells: dict[tuple[str, str, tuple[float, float]], list[MeasuredRun]] = {}
+    cells: dict[tuple[str, str, Weights], list[MeasuredRun]] = {}
     for run in runs:
         cells.setdefault((run.environment, run.algorithm, run.weights), []).append(run)
     for (environment, algorithm, weights), ours in cells.items():
         baseline = catalogue.baseline(algorithm)
-        theirs = {run.seed: run for run in cells.get((environment, baseline, (0.0, 0.0)), ())}
+        theirs = {run.seed: run for run in cells.get((environment, baseline, NO_WEIGHTS), ())}
         pairs = [(run, theirs[run.seed]) for run in ours if run.seed in theirs]
         for cost, of in COSTS.items() if pairs else ():
             d = np.array([_difference(of, *pair) for pair in pairs]) / units[environment]

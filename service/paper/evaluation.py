@@ -7,7 +7,7 @@ choosing them (service.paper.tuning).
 from collections.abc import Mapping
 from typing import Any
 
-from service.analysis.figures.paper_figure import Number
+from service.analysis.figures.paper_figure import FigureNumber
 from service.paper.tuning import SOFT_TASKS
 
 SEEDS = 16
@@ -62,7 +62,7 @@ SOFT: Mapping[str, Any] = {
 }
 """Section A.2."""
 
-FIGURES: Mapping[str, tuple[Number, ...]] = {
+FIGURES: Mapping[str, tuple[FigureNumber, ...]] = {
     CRITIC["name"]: ("2",),
     COMPARISON["name"]: ("3", "4", "5"),
     SOFT["name"]: ("6",),

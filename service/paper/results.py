@@ -148,7 +148,7 @@ def _write_measurements(folder: Path, swept: Swept) -> None:
             writer = csv.writer(output, lineterminator="\n")
             writer.writerow(("w1", "w2", "seed", *KEPT))
             for run in members:
-                spec = (run.weights.w1, run.weights.w2, run.seed)
+                spec = (*run.weights.pair, run.seed)
                 writer.writerows((*spec, *row.values()) for row in swept.rows[run.id])
 
 
@@ -195,8 +195,7 @@ def _gain_row(gain: Gain) -> tuple[object, ...]:
 
 def _as_arrays(run: RunAnswer, rows: Sequence[Row]) -> MeasuredRun:
     columns = {name: np.array([float(row[name]) for row in rows]) for name in COMPARED}
-    weights = (run.weights.w1, run.weights.w2)
-    return MeasuredRun(run.algorithm, run.environment, weights, run.seed, columns)
+    return MeasuredRun(run.algorithm, run.environment, run.weights.pair, run.seed, columns)
 
 
 def _provenance(swept: Swept) -> dict[str, Any]:

@@ -50,7 +50,7 @@ def _write(file: Path, header: Sequence[str], lines: Iterable[Sequence[object]])
 
 def _spec(run: RunAnswer) -> tuple[object, ...]:
     config = json.dumps(run.config, sort_keys=True)
-    learner = (run.algorithm, run.weights.w1, run.weights.w2, config)
+    learner = (run.algorithm, *run.weights.pair, config)
     return run.environment, run.environment_version, *learner, run.seed, run.timesteps, run.status
 
 

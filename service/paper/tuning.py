@@ -17,7 +17,7 @@ search outlives the database and the machine that began it by its table, tuning.
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import product, starmap
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,7 @@ import numpy as np
 from algorithms import catalogue
 from service.analysis.statistics.score import final_score
 from service.api.schemas.curves_answer import CurveAnswer, CurvesAnswer
+from workers.messages.run_spec import NO_WEIGHTS, Weights
 
 SEEDS = [100, 101, 102, 103]
 
@@ -51,11 +52,12 @@ FIXED: Mapping[str, Mapping[str, Any]] = {"HalfCheetah": {"cycle_updates": 100}}
 """Settings of all DDPG runs in a task, found by hand."""
 
 SIZES = (1.0, 0.1, 0.01)
-ALONE = [*((w, 0.0) for w in SIZES), *((0.0, w) for w in SIZES)]
-PAIRS: Mapping[str, Sequence[tuple[float, float]]] = {
-    "hybrid-ddpg": [*product(SIZES, SIZES), *ALONE],
-    "hybrid-sac": [*((w, w) for w in SIZES), *ALONE],
-    "hybrid-ddpg-cosine": [*((w, w) for w in SIZES), *ALONE],
+ALONE = [*(Weights(w, 0.0) for w in SIZES), *(Weights(0.0, w) for w in SIZES)]
+ALIKE = [Weights(w, w) for w in SIZES]
+PAIRS: Mapping[str, Sequence[Weights]] = {
+    "hybrid-ddpg": [*starmap(Weights, product(SIZES, SIZES)), *ALONE],
+    "hybrid-sac": [*ALIKE, *ALONE],
+    "hybrid-ddpg-cosine": [*ALIKE, *ALONE],
 }
 """The weights searched of each hybrid, in the order of the searches."""
 
@@ -73,7 +75,7 @@ class Outcome:
 
     environment: str
     algorithm: str
-    weights: tuple[float, float]
+    weights: Weights
     config: Mapping[str, Any]
     area: float
     end: float
@@ -109,7 +111,7 @@ def settings_sweep(
         [
             {"name": algorithm, "config": config}
             for config in configs
-            if not _is_known(known, environment, algorithm, (0.0, 0.0), config)
+            if not _is_known(known, environment, algorithm, NO_WEIGHTS, config)
         ],
     )
 
@@ -122,9 +124,9 @@ def weights_sweep(
     None where every outcome is known; else without the cells whose outcome is.
     """
     pairs = [
-        {"w1": w1, "w2": w2}
-        for w1, w2 in PAIRS[hybrid]
-        if not _is_known(known, environment, hybrid, (w1, w2), config)
+        weights._asdict()
+        for weights in PAIRS[hybrid]
+        if not _is_known(known, environment, hybrid, weights, config)
     ]
     return _sweep(
         f"tuning: weights of {hybrid}, {environment}",
@@ -137,7 +139,7 @@ def _is_known(
     known: Collection[Outcome],
     environment: str,
     algorithm: str,
-    weights: tuple[float, float],
+    weights: Weights,
     config: Mapping[str, Any],
 ) -> bool:
     cell = (environment, algorithm, weights, dict(config))
@@ -170,7 +172,7 @@ def outcomes(curves: CurvesAnswer) -> list[Outcome]:
         Outcome(
             panel.environment,
             curve.algorithm,
-            (curve.weights.w1, curve.weights.w2),
+            curve.weights.pair,
             _searched(panel.environment, curve.algorithm, curve.config),
             *_reached(curve, TIMESTEPS[panel.environment]),
             _decided(curve),

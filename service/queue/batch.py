@@ -7,21 +7,21 @@ from collections import deque
 from collections.abc import Mapping, Sequence
 from itertools import islice, takewhile
 
-from service.queue.messages import ClaimCohort, Command, Event, PoolLost, Record
+from service.queue.messages import ClaimCohort, Command, PoolLost, QueueEvent, Record
 
 TOGETHER: Mapping[type[Command], int] = {Record: 256, ClaimCohort: 32}
 """How many are carried out in one transaction, so that it holds nothing else up for long."""
 
 
-def take_next(events: deque[Event]) -> list[Event]:
+def take_next(events: deque[QueueEvent]) -> list[QueueEvent]:
     """Take the first report of each worker out, in order; the loss of the pool only when first.
 
     Reports of different workers have nothing to do with each other; those of one keep their order.
     """
     if events and isinstance(events[0], PoolLost):
         return [events.popleft()]
-    first: dict[str, Event] = {}
-    later: list[Event] = []
+    first: dict[str, QueueEvent] = {}
+    later: list[QueueEvent] = []
     while events and not isinstance(events[0], PoolLost):
         event = events.popleft()
         if first.setdefault(_worker(event), event) is not event:
@@ -30,7 +30,7 @@ def take_next(events: deque[Event]) -> list[Event]:
     return list(first.values())
 
 
-def _worker(event: Event) -> str:
+def _worker(event: QueueEvent) -> str:
     """Who an event is about."""
     return getattr(event, "worker", "")
 

@@ -19,6 +19,7 @@ import structlog
 from service.metrics import DISPATCH_SECONDS
 from service.model.claim import CellLimit, no_limit
 from service.queue.batch import next_together, take_next
+from service.queue.dispatch_state import DispatchTimes, State
 from service.queue.messages import (
     AskCancelling,
     AskWaiting,
@@ -28,12 +29,12 @@ from service.queue.messages import (
     Command,
     Demand,
     Drop,
-    Event,
     Fail,
     Kill,
     Lose,
     LoseExpired,
     PoolLost,
+    QueueEvent,
     Record,
     Recorded,
     Release,
@@ -42,7 +43,7 @@ from service.queue.messages import (
     Train,
     Waiting,
 )
-from service.queue.scheduler import DispatchTimes, State, step
+from service.queue.scheduler import step
 from service.store.store import Store
 from service.store.upkeep.trouble import explain
 from workers.pool.pool import Pool, PoolUnavailableError
@@ -68,7 +69,7 @@ class Dispatcher:
         self._times = times or DispatchTimes()
         self._clock = clock
         self._state = State()
-        self._events: deque[Event] = deque()
+        self._events: deque[QueueEvent] = deque()
         self._commands: deque[Command] = deque()
         self._reports_in_hand = 0
         self._store_problem = ""
@@ -151,7 +152,7 @@ class Dispatcher:
         except PoolUnavailableError as error:
             self._events.append(_pool_lost(error))
 
-    def _advance(self, *events: Event) -> None:
+    def _advance(self, *events: QueueEvent) -> None:
         """Have the scheduler take events into account; what it commands comes first."""
         commands: list[Command] = []
         for event in events:
@@ -168,7 +169,7 @@ class Dispatcher:
                 self._commands.popleft()
             self._advance(*answers)
 
-    def _do(self, together: list[Command]) -> list[Event]:
+    def _do(self, together: list[Command]) -> list[QueueEvent]:
         records = [command for command in together if isinstance(command, Record)]
         if records:
             return self._record(records)
@@ -178,18 +179,18 @@ class Dispatcher:
         answer = self._do_one(together[0])
         return [] if answer is None else [answer]
 
-    def _record(self, records: list[Record]) -> list[Event]:
+    def _record(self, records: list[Record]) -> list[QueueEvent]:
         held = self._store.record_all([(each.claim, each.news.progress) for each in records])
         return [
             Recorded(each.news, frozenset(runs)) for each, runs in zip(records, held, strict=True)
         ]
 
-    def _claim(self, claims: list[ClaimCohort]) -> list[Event]:
+    def _claim(self, claims: list[ClaimCohort]) -> list[QueueEvent]:
         asked = [(each.worker, each.limit) for each in claims]
         found = self._store.claim_all(asked, claims[0].lease_seconds, self._limit_of)
         return [Claimed(each.worker, claim) for each, claim in zip(claims, found, strict=True)]
 
-    def _do_one(self, command: Command) -> Event | None:
+    def _do_one(self, command: Command) -> QueueEvent | None:
         match command:
             case Lose(claim, reason, log_tail):
                 self._store.lose(claim, reason, log_tail)

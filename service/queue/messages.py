@@ -61,7 +61,7 @@ class Claimed:
     claim: Claim | None
 
 
-Event = Report | Tick | PoolLost | Recorded | Cancelling | Waiting | Claimed
+QueueEvent = Report | Tick | PoolLost | Recorded | Cancelling | Waiting | Claimed
 
 
 # ---- commands

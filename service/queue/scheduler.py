@@ -13,11 +13,11 @@ time for the same reason.
 """
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 from service.model.claim import Claim
 from service.queue.cohort_size import cohort_size, cohorts
+from service.queue.dispatch_state import Cohort, DispatchTimes, State
 from service.queue.messages import (
     AskCancelling,
     AskWaiting,
@@ -27,19 +27,18 @@ from service.queue.messages import (
     Command,
     Demand,
     Drop,
-    Event,
     Fail,
     Kill,
     Lose,
     LoseExpired,
     PoolLost,
+    QueueEvent,
     Record,
     Recorded,
     Release,
     StartPool,
     Tick,
     Train,
-    Version,
     Waiting,
 )
 from workers.messages.report import Busy, Capacity, Ended, Failed, Lost, News, Ready, Retired
@@ -60,93 +59,11 @@ DEMANDED_COHORTS = 256
 """So many that wait are counted: more workers than that are not called for at a time."""
 
 
-@dataclass(frozen=True)
-class DispatchTimes:
-    """All in seconds.
-
-    report   between two reports of a worker, where there are few
-    longest_report  the same where there are many: several of them to a lease
-    lease    a worker that is not heard of for so long has lost its runs
-    grace    a worker that was told to drop a run has so long to do so before it is killed
-    round    longest wait for reports; how late a cancelling or a new sweep is seen
-    expiry   between two looks for expired leases
-    demand   between two looks at how much work there is, where no worker is idle
-    restart  before a pool that failed is started again, doubled each time up to `longest_restart`
-    """
-
-    report: float = 1.0
-    longest_report: float = 5.0
-    lease: float = 15.0
-    grace: float = 5.0
-    round: float = 0.1
-    expiry: float = 1.0
-    demand: float = 2.0
-    restart: float = 1.0
-    longest_restart: float = 30.0
-
-
-@dataclass(frozen=True)
-class Cohort:
-    """What a worker is training.
-
-    name      that of its first claim; what the worker calls it
-    claim     on those of its runs that are still its own
-    heard_at  when it was last heard of
-    measures  the task whose random return it was asked to measure
-    dropped   since when each run that it was told to drop has been so
-    """
-
-    name: str
-    claim: Claim
-    heard_at: float
-    measures: Version | None = None
-    dropped: Mapping[str, float] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class State:
-    """All that is known between two events.
-
-    idle             workers without work, in the order they became so
-    cohorts          what each of the others trains
-    random_returns   environments whose random return the store knew at the last look
-    pool_is_up       the pool was started and has not been lost
-    problem          why no run can start now, a sentence; empty while they can
-    lost_since       time of day at which the pool was lost; empty while it is there
-    restart_at       when a lost pool is started again
-    restart_wait     how long after the next loss
-    ticked_at        the last tick; None before the first
-    expiry_at        when expired leases are looked for
-    capacity         how many workers the cluster has room for
-    demand           how many workers the pool was told there is work for; None: it was not told yet
-    demand_at        when that is looked at again
-    """
-
-    idle: tuple[str, ...] = ()
-    cohorts: Mapping[str, Cohort] = field(default_factory=dict)
-    random_returns: frozenset[Version] = frozenset()
-    pool_is_up: bool = False
-    problem: str = "the cluster is starting"
-    lost_since: str = ""
-    restart_at: float = -math.inf
-    restart_wait: float = 0.0
-    ticked_at: float | None = None
-    expiry_at: float = -math.inf
-    capacity: int = 0
-    demand: int | None = None
-    demand_at: float = -math.inf
-
-    @property
-    def free_cores(self) -> int:
-        """Those of idle workers, and those that the pool can bring more workers up on."""
-        return max(len(self.idle), self.capacity - len(self.cohorts))
-
-
 Step = tuple[State, list[Command]]
 
 
 def step(  # noqa: PLR0911, PLR0912  (one an event)
-    state: State, event: Event, now: float, times: DispatchTimes
+    state: State, event: QueueEvent, now: float, times: DispatchTimes
 ) -> Step:
     """Take one event into account, and say what is to be done."""
     match event:
@@ -154,21 +71,22 @@ def step(  # noqa: PLR0911, PLR0912  (one an event)
             return _tick(state, now, times)
         case Ready(worker):
             known = worker in state.idle or worker in state.cohorts
-            return _up(state) if known else _free(_up(state), worker), []
-        case Busy(worker, cohort, note) if worker not in state.cohorts:
-            return _with(_up(state), worker, Cohort(cohort, Claim.from_json(note), now)), []
-        case News(worker, cohort) if _trains(state, worker, cohort):
+            return state.up() if known else state.up().freeing(worker), []
+        case Busy(worker, work) if worker not in state.cohorts:
+            claim = Claim(worker, work.lease_seconds, work.runs)
+            return state.up().training(worker, Cohort(work.cohort, claim, now)), []
+        case News(worker, cohort) if state.trains(worker, cohort):
             heard = replace(state.cohorts[worker], heard_at=now)
-            return _with(state, worker, heard), [Record(heard.claim, event)]
-        case Recorded(news) if _trains(state, news.worker, news.cohort):
+            return state.training(worker, heard), [Record(heard.claim, event)]
+        case Recorded(news) if state.trains(news.worker, news.cohort):
             return _recorded(state, event)
-        case Ended(worker, cohort) if _trains(state, worker, cohort):
+        case Ended(worker, cohort) if state.trains(worker, cohort):
             claim = state.cohorts[worker].claim
             lose = Lose(claim, "its worker ended before it did")
-            return _free(state, worker), [lose] if claim.runs else []
-        case Failed(worker, cohort, error, log_tail) if _trains(state, worker, cohort):
+            return state.freeing(worker), [lose] if claim.runs else []
+        case Failed(worker, cohort, error, log_tail) if state.trains(worker, cohort):
             fail = Fail(state.cohorts[worker].claim, error, log_tail)
-            return _free(state, worker), [fail]
+            return state.freeing(worker), [fail]
         case Lost(worker, reason, log_tail):
             return _lost(state, worker, reason, log_tail)
         case Retired(worker):
@@ -196,7 +114,7 @@ def _tick(state: State, now: float, times: DispatchTimes) -> Step:
     state = _forgive_the_unheard(state, now, times)
     for worker, cohort in state.cohorts.items():
         if (silent := now - cohort.heard_at) > times.lease:
-            state = _without(state, worker)
+            state = state.without(worker)
             reason = f"its worker was silent for {silent:.0f} s"
             commands += [Kill(worker), Lose(cohort.claim, reason)]
     if state.cohorts:
@@ -239,17 +157,12 @@ def _recorded(state: State, recorded: Recorded) -> Step:
         - progress.gone
     )
     kept = replace(cohort, claim=cohort.claim.only(recorded.held))
-    return _with(state, worker, kept), [Drop(worker, taken_away)] if taken_away else []
-
-
-def _up(state: State) -> State:
-    """Return the state with a pool that has been heard of."""
-    return replace(state, problem="", lost_since="", restart_wait=0.0)
+    return state.training(worker, kept), [Drop(worker, taken_away)] if taken_away else []
 
 
 def _room(state: State, room: Capacity) -> State:
     """Take what the cluster has room for into account; the workers may all be yet to come."""
-    state = replace(_up(state), capacity=room.workers)
+    state = replace(state.up(), capacity=room.workers)
     if not room.workers:
         return replace(state, problem=NO_ROOM)
     is_starting = room.slots and not (state.idle or state.cohorts)
@@ -260,12 +173,12 @@ def _retired(state: State, worker: str) -> Step:
     """Put back at once what the worker was given too late."""
     cohort = state.cohorts.get(worker)
     reason = "its worker was retired before it began"
-    return _without(state, worker), [] if cohort is None else [Release(cohort.claim, reason)]
+    return state.without(worker), [] if cohort is None else [Release(cohort.claim, reason)]
 
 
 def _lost(state: State, worker: str, reason: str, log_tail: str) -> Step:
     cohort = state.cohorts.get(worker)
-    return _without(state, worker), [] if cohort is None else [Lose(cohort.claim, reason, log_tail)]
+    return state.without(worker), [] if cohort is None else [Lose(cohort.claim, reason, log_tail)]
 
 
 def _pool_lost(state: State, lost: PoolLost, now: float, times: DispatchTimes) -> Step:
@@ -298,12 +211,12 @@ def _cancel(state: State, runs: frozenset[str], now: float, times: DispatchTimes
     for worker, cohort in state.cohorts.items() if runs else ():
         asked = {run.run_id: run.spec.seed for run in cohort.claim.runs if run.run_id in runs}
         if any(now - cohort.dropped.get(run, now) > times.grace for run in asked):
-            state = _without(state, worker)
+            state = state.without(worker)
             reason = "its worker was ended to cancel a neighbour"
             commands += [Kill(worker), Release(cohort.claim, reason)]
         elif fresh := asked.keys() - cohort.dropped.keys():
             dropped = {**cohort.dropped, **dict.fromkeys(fresh, now)}
-            state = _with(state, worker, replace(cohort, dropped=dropped))
+            state = state.training(worker, replace(cohort, dropped=dropped))
             commands.append(Drop(worker, frozenset(asked[run] for run in fresh)))
     return state, commands
 
@@ -336,12 +249,12 @@ def _claimed(
     in_measurement = {cohort.measures for cohort in state.cohorts.values()}
     is_known = version in state.random_returns or version in in_measurement
     cohort = Cohort(claim.name, claim, now, None if is_known else version)
-    state = _with(state, worker, cohort)
+    state = state.training(worker, cohort)
     work = Work(
         cohort.name,
-        claim.assignments,
-        not is_known,
-        note=claim.to_json(),
+        claim.runs,
+        claim.lease_seconds,
+        measure_random_return=not is_known,
         report_seconds=_report_seconds(state, times),
     )
     return state, [Train(worker, work)]
@@ -356,30 +269,3 @@ def _report_seconds(state: State, times: DispatchTimes) -> float:
 def _ask_waiting(state: State, cohorts: int = 0) -> AskWaiting:
     """Ask for as much as the free cores, or so many workers, could have at once."""
     return AskWaiting(max(state.free_cores, cohorts) * COHORT_LIMIT)
-
-
-# ---- changes of state
-
-
-def _with(state: State, worker: str, cohort: Cohort) -> State:
-    """Return the state with the worker training that."""
-    idle = tuple(name for name in state.idle if name != worker)
-    return replace(state, idle=idle, cohorts={**state.cohorts, worker: cohort})
-
-
-def _without(state: State, worker: str) -> State:
-    """Return the state without the worker."""
-    idle = tuple(name for name in state.idle if name != worker)
-    cohorts = {name: cohort for name, cohort in state.cohorts.items() if name != worker}
-    return replace(state, idle=idle, cohorts=cohorts)
-
-
-def _free(state: State, worker: str) -> State:
-    """Return the state with the worker idle, behind the others."""
-    state = _without(state, worker)
-    return replace(state, idle=(*state.idle, worker))
-
-
-def _trains(state: State, worker: str, cohort: str) -> bool:
-    """Whether that is what the worker is training."""
-    return worker in state.cohorts and state.cohorts[worker].name == cohort

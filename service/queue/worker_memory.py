@@ -7,13 +7,12 @@ what a worker's process takes by itself. Runs give the same bits in any cohort, 
 costs time alone.
 """
 
-import json
 import os
 from functools import cache
 from pathlib import Path
 
 from algorithms.memory import bytes_per_run
-from workers.messages.run_spec import COHORT_LIMIT, Cell
+from workers.messages.run_spec import COHORT_LIMIT, RunSpec
 
 SHARE = 0.8
 PROCESS_BYTES = 300 * 2**20
@@ -37,7 +36,7 @@ def machine_memory(container_limit: Path = CONTAINER_LIMIT) -> int:
         return physical
 
 
-def runs_at_once(cell: Cell, worker_memory: int) -> int:
+def runs_at_once(cell: RunSpec, worker_memory: int) -> int:
     """How many runs of a cell a worker takes at once; one that is too large is taken alone."""
     try:
         each = memory_of(cell)
@@ -47,7 +46,8 @@ def runs_at_once(cell: Cell, worker_memory: int) -> int:
 
 
 @cache
-def memory_of(cell: Cell) -> int:
+def memory_of(cell: RunSpec) -> int:
     """Bytes that each run of a cell comes to fill. Raises ValueError for what no learner takes."""
-    config = json.loads(cell.config)
-    return bytes_per_run(cell.algorithm, cell.environment, cell.weights, cell.timesteps, config)
+    return bytes_per_run(
+        cell.algorithm, cell.environment, cell.weights, cell.timesteps, cell.config
+    )

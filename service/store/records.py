@@ -11,6 +11,7 @@ from sqlalchemy import Connection, Row, update
 
 from service.model.claim import Claim
 from service.model.run import RunStatus
+from service.model.run_name import RunName
 from service.store.claiming import checkpoints, endings
 from service.store.claiming.claims import held_runs
 from service.store.claiming.endings import Ending
@@ -116,19 +117,21 @@ def _measure(connection: Connection, heard: Sequence[Heard]) -> None:
     for number, measurement in fresh:
         reached.setdefault(number, []).append(measurement.timestep)
     measured = [
-        (run_id, row, steps)
+        (row, steps)
         for each in heard
-        for run_id, row in each.held.items()
+        for row in each.held.values()
         if (steps := reached.get(row.number))
     ]
-    recovered = [row.number for _, row, _ in measured if row.losses]
+    recovered = [row.number for row, _ in measured if row.losses]
     if recovered:
         connection.execute(update(runs).where(runs.c.number.in_(recovered)).values(losses=0))
     events.append(
         connection,
         [
-            events.measured(row.sweep_number, run_id, min(steps), max(steps))
-            for run_id, row, steps in measured
+            events.measured(
+                row.sweep_number, RunName(row.sweep_id, row.ordinal), min(steps), max(steps)
+            )
+            for row, steps in measured
         ],
     )
 

@@ -3,7 +3,8 @@
 Units of work queue up while a commit is under way and are committed together by the next one
 (group commit), each inside its own savepoint: a unit that refuses is rolled back alone. A unit's
 result is given out after the commit that makes it durable, never before. A commit whose answer was
-lost with the connection is neither repeated nor forgotten.
+lost with the connection is neither repeated nor forgotten: the name of the latest commit is written
+in the same transaction (the table `last_commit`), so it tells whether that commit happened.
 """
 
 import queue
@@ -13,11 +14,11 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from typing import Any, TypeVar
 
-from sqlalchemy import Connection, Engine
+from sqlalchemy import Connection, Engine, insert, select, update
 from sqlalchemy.exc import SQLAlchemyError
 
 from service.metrics import WRITE_SECONDS
-from service.store import last_commit
+from service.store.tables import last_commit
 from service.store.upkeep.outage import PATIENCE_SECONDS, outlasting
 
 Result = TypeVar("Result")
@@ -111,12 +112,18 @@ class _Group:
     def commit(self, engine: Engine) -> None:
         """Run the units in one transaction, unless it has been committed already."""
         with engine.begin() as connection:
-            if self.has_run and last_commit.name(connection) == self._name:
+            if self.has_run and connection.scalar(select(last_commit.c.name)) == self._name:
                 return
             self.has_run = False
             self.outcomes = [_attempt(connection, unit) for unit in self._units]
-            last_commit.note(connection, self._name)
+            _name_commit(connection, self._name)
             self.has_run = True
+
+
+def _name_commit(connection: Connection, name: str) -> None:
+    """Name the transaction that is under way."""
+    if connection.execute(update(last_commit).values(name=name)).rowcount == 0:  # the first one
+        connection.execute(insert(last_commit).values(name=name))
 
 
 def _attempt(connection: Connection, unit: Unit) -> tuple[Any, Exception | None]:

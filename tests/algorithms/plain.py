@@ -4,6 +4,7 @@ It knows nothing of passes and adjoints.
 """
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,12 +16,19 @@ import physics
 from algorithms.experience.replay import Memory
 from algorithms.experience.target_jacobian import fold
 from algorithms.networks import network
+from algorithms.networks.activation import ELU, ReLU, SiLU, Tanh
 from algorithms.networks.network import Shape
 from algorithms.networks.optimizer import Learned
 from algorithms.networks.scaling import Coordinates, Scaling, Statistics, coordinates_of
 from physics.environment import Environment
 from physics.randomness import generator
 
+ACTIVATIONS: dict[type, Callable[[Tensor], Tensor]] = {
+    Tanh: torch.tanh,
+    ELU: torch.nn.functional.elu,
+    SiLU: torch.nn.functional.silu,
+    ReLU: torch.relu,
+}
 STORED, ROWS, GAMMA, TAU = 200, 32, 0.97, 0.05
 
 
@@ -70,8 +78,12 @@ class Plain:
 
     def __init__(self, theta: NDArray[np.float32], shape: Shape) -> None:
         self.theta = torch.tensor(theta, dtype=torch.float64, requires_grad=True)
-        i, h, o = shape
-        self.sizes = [(i, h), (h, h), (h, o), (h,), (h,), (o,), (h,), (h,), (h,), (h,)]
+        units = [shape.inputs, *shape.hidden, shape.outputs]
+        products = [*pairwise(units)]
+        norms = [(h,) for h in shape.hidden for _ in range(2)]
+        self.sizes = [*products, *((h,) for h in units[1:]), *norms]
+        self.activation = ACTIVATIONS[type(shape.activation)]
+        self.layers = len(shape.hidden)
 
     def __call__(self, x: Tensor) -> Tensor:
         parts, at = [], 0
@@ -79,11 +91,13 @@ class Plain:
             length = int(np.prod(size))
             parts.append(self.theta[at : at + length].reshape(size))
             at += length
-        w1, w2, v, b1, b2, d, g1, c1, g2, c2 = parts
-        hidden = torch.nn.functional.layer_norm
-        h1 = torch.tanh(hidden(x @ w1 + b1, b1.shape, g1, c1))
-        h2 = torch.tanh(hidden(h1 @ w2 + b2, b2.shape, g2, c2))
-        return h2 @ v + d
+        weights, others = parts[: self.layers + 1], parts[self.layers + 1 :]
+        biases, norms = others[: self.layers + 1], others[self.layers + 1 :]
+        for k in range(self.layers):
+            gain, shift = norms[2 * k : 2 * k + 2]
+            z = x @ weights[k] + biases[k]
+            x = self.activation(torch.nn.functional.layer_norm(z, z.shape[1:], gain, shift))
+        return x @ weights[-1] + biases[-1]
 
 
 class PlainBatch:

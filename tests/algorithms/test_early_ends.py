@@ -61,6 +61,12 @@ def ends(said: Events) -> dict[int, EarlyEnd]:
     return {e.seed: e for e in said if not isinstance(e, Measurement)}
 
 
+def telling(said: Events, seeds: Sequence[int]) -> list[int]:
+    """Those that ended early, and two of those that did not: others would prove nothing more."""
+    early = ends(said)
+    return [*early, *[seed for seed in seeds if seed not in early][:2]]
+
+
 def weights_of(name: str) -> tuple[float, float]:
     return (0.1, 0.1) if name.startswith("hybrid") else (0.0, 0.0)
 
@@ -119,7 +125,7 @@ def test_whoever_is_left_goes_on_to_the_bits_it_has_alone() -> None:
     wild: dict[str, Any] = {"rate": 1.0, "reward_scale": 1e6, "gamma": 1.0, "tau": 1.0}
     task, seeds = OtherRewards("Pendulum", lambda s, r: r), range(6)
     together = events(build("sac", task, seeds, timesteps=2_400, **wild))
-    for seed in seeds:
+    for seed in telling(together, seeds):
         alone = events(build("sac", task, [seed], timesteps=2_400, **wild))
         assert told(together, seed) == told(alone, seed) != []
     assert all(isinstance(end, Divergence) for end in ends(together).values())
@@ -140,7 +146,7 @@ def test_a_reward_that_is_no_float32_ends_the_run_that_met_it(name: str, value: 
     for end in met.values():
         assert isinstance(end, Divergence)
         assert end.quantity in ("reward", "rewards", "return")
-    for seed in seeds:
+    for seed in telling(said, seeds):
         alone = events(build(name, task, [seed], weights_of(name)))
         assert told(said, seed) == told(alone, seed)
 
@@ -153,7 +159,7 @@ def test_so_it_does_for_learners_without_a_replay(name: str, value: float) -> No
     met = ends(said)
     assert met
     assert {type(end) for end in met.values()} == {Divergence}
-    for seed in seeds:
+    for seed in telling(said, seeds):
         assert told(said, seed) == told(events(build(name, task, [seed], timesteps=1_600)), seed)
 
 
@@ -202,7 +208,7 @@ def test_code_that_raises_in_one_run_fails_that_run(name: str, where: str) -> No
     for end in failed.values():
         assert isinstance(end, Failure)
         assert end.error.strip().endswith(wanted[where])
-    for seed in seeds:
+    for seed in telling(said, seeds):
         assert told(said, seed) == told(trained([seed]), seed) != []
 
 

@@ -34,10 +34,12 @@ CASES = [
 ]
 
 
-def build(environment: Environment, case: Case, timesteps: int, factor: float = 1.0) -> Any:
+def build(
+    environment: Environment, case: Case, timesteps: int, factor: float = 1.0, **config: Any
+) -> Any:
     algorithm = catalogue.find(case.name)
-    config = algorithm.config_class()(**case.settings(factor))
-    return algorithm.load()(environment, [0, 1], case.weights, timesteps, config)
+    settings = algorithm.config_class()(**case.settings(factor), **config)
+    return algorithm.load()(environment, [0, 1], case.weights, timesteps, settings)
 
 
 def first_losses(environment: Environment, case: Case) -> list[float]:
@@ -71,7 +73,7 @@ def test_the_first_reward_after_many_alike_does_not_make_the_loss_enormous(case:
 
 
 def curve(case: Case, task: str, factor: float, timesteps: int) -> list[tuple[int, int, float]]:
-    learner = build(times(task, factor), case, timesteps, factor)
+    learner = build(times(task, factor), case, timesteps, factor, hidden_units=16)
     measured = []
     while not learner.finished:
         for event in learner.advance():

@@ -67,7 +67,7 @@ TASKS = ["Pendulum", "CartPole", "Acrobot", "RollingDie"]
 def test_of_ddpg(name: str) -> None:
     where = setting(name)
     inputs, m = where.task.feature_size, where.task.action_size
-    shapes = Shape(inputs, 16, m), Shape(inputs + m, 16, 1)
+    shapes = Shape(inputs, (16, 16), m), Shape(inputs + m, (16, 16), 1)
     actor, critic = (learned(not_small(shape, where.random)) for shape in shapes)
     pi, q = Plain(actor.target, shapes[0]), Plain(critic.target, shapes[1])
     _, target = ddpg_update.gradient_pair(

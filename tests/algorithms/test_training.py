@@ -32,10 +32,11 @@ def curves(
 
 
 @pytest.mark.parametrize("name", WEIGHTS)
-def test_alone_and_in_a_cohort_of_16_the_same_bits(name: str) -> None:
-    cohort = curves(name, list(range(16)))
-    assert curves(name, [5]) == {5: cohort[5]}
-    assert cohort[5] != cohort[6]
+def test_alone_and_in_a_cohort_the_same_bits(name: str) -> None:
+    """Of sixteen, the most there are, where that is quick; the size is the same code for all."""
+    cohort = curves(name, list(range(16 if name in ("ddpg", "gd") else 3)))
+    assert curves(name, [1]) == {1: cohort[1]}
+    assert cohort[1] != cohort[2]
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 import yaml
 
-from service.metrics import REGISTRY, Standing
+from service.metrics import REGISTRY, PresentState
 from service.model.run import RunStatus
 
 FOLDER = Path(__file__).parents[2] / "docker" / "monitoring"
@@ -43,7 +43,7 @@ def metrics() -> set[str]:
         if family.type == "histogram"
         for ending in ("_bucket", "_count", "_sum")
     }
-    return noted | {family.name for family in Standing(Nothing(), {}, 0).collect()}
+    return noted | {family.name for family in PresentState(Nothing(), {}, 0).collect()}
 
 
 def test_every_metric_that_is_asked_for_exists(metrics: set[str]) -> None:

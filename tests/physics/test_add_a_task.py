@@ -1,11 +1,8 @@
 """docs/add-a-task.md, done: its module, its entry point, its audit."""
 
-import importlib
 import os
-import re
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -14,30 +11,16 @@ import pytest
 import physics
 from physics.environment import Environment
 from physics.randomness import generator
+from tests.docs.pages import ROOT, blocks
+from tests.installed_package import install
 
-ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "add-a-task.md"
-
-
-def block(language: str) -> str:
-    (found,) = re.findall(rf"```{language}\n(.*?)```", PAGE.read_text(), re.DOTALL)
-    return str(found)
 
 
 @pytest.fixture
 def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder as `pip install` leaves it: the module, and its metadata."""
-    (tmp_path / "van_der_pol.py").write_text(block("python"))
-    entries = tomllib.loads(block("toml"))["project"]["entry-points"]["d3pg.environments"]
-    lines = ["[d3pg.environments]", *(f"{name} = {value}" for name, value in entries.items())]
-    metadata = tmp_path / "van_der_pol-1.0.dist-info"
-    metadata.mkdir()
-    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: van-der-pol\nVersion: 1.0\n")
-    (metadata / "entry_points.txt").write_text("\n".join(lines) + "\n")
-    monkeypatch.syspath_prepend(tmp_path)
-    importlib.invalidate_caches()
-    monkeypatch.delitem(sys.modules, "van_der_pol", raising=False)
-    return tmp_path
+    (code,), (project,) = blocks(PAGE, "python"), blocks(PAGE, "toml")
+    return install(tmp_path, "van_der_pol", code, project, monkeypatch)
 
 
 @pytest.fixture

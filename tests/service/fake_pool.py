@@ -48,7 +48,7 @@ class FakeWorker:
         self.to_drop = set()
         if work.measure_random_return:
             self.random_return = RandomReturn(self.specs[0].environment, 1, -1.0, -2.0, 0.0, 1000)
-        return Busy(self.name, self.cohort, work.note)
+        return Busy(self.name, work)
 
     def drop(self, seeds: Collection[int]) -> None:
         """Train these seeds no further."""

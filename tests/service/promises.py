@@ -13,6 +13,7 @@ from sqlalchemy import Engine
 
 from service.model.claim import Claim
 from service.model.run import FINAL, RunStatus
+from service.model.run_name import RunName
 from service.store.store import Store
 from tests.service.fake_pool import CYCLE, measurement_of
 
@@ -142,4 +143,4 @@ class Promises:
 
 def sweep_of(run_id: str) -> str:
     """The sweep of a run."""
-    return run_id.partition("-")[0]
+    return RunName.parse(run_id).sweep_id

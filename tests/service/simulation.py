@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 
 from service.model.run import FINAL
 from service.queue.batch import next_together
+from service.queue.dispatch_state import DispatchTimes, State
 from service.queue.messages import (
     AskCancelling,
     AskWaiting,
@@ -23,12 +24,12 @@ from service.queue.messages import (
     Command,
     Demand,
     Drop,
-    Event,
     Fail,
     Kill,
     Lose,
     LoseExpired,
     PoolLost,
+    QueueEvent,
     Record,
     Recorded,
     Release,
@@ -37,7 +38,7 @@ from service.queue.messages import (
     Train,
     Waiting,
 )
-from service.queue.scheduler import DispatchTimes, State, step
+from service.queue.scheduler import step
 from service.store.claiming.retry import RetryPolicy
 from service.store.store import Store
 from tests.service.fake_pool import CYCLE, FakeWorker
@@ -196,7 +197,7 @@ class Simulation:
         """Note what happened, for whoever reads of a failure."""
         self.story.append(f"{self.now:.2f} {happened}"[:300])
 
-    def give(self, *happenings: Event) -> None:
+    def give(self, *happenings: QueueEvent) -> None:
         """Have the scheduler take events into account."""
         commands: list[Command] = []
         for happening in happenings:
@@ -253,7 +254,7 @@ class Simulation:
             case _:
                 return set()
 
-    def do(self, together: Sequence[Command]) -> list[Event]:
+    def do(self, together: Sequence[Command]) -> list[QueueEvent]:
         """Do what `service/queue/dispatch.py` does."""
         records = [command for command in together if isinstance(command, Record)]
         if records:
@@ -268,7 +269,7 @@ class Simulation:
         answer = self.do_one(together[0])
         return [] if answer is None else [answer]
 
-    def do_one(self, command: Command) -> Event | None:
+    def do_one(self, command: Command) -> QueueEvent | None:
         match command:
             case Lose(claim, reason, log_tail):
                 self.store.lose(claim, reason, log_tail)

@@ -3,16 +3,20 @@
 import json
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
 
 import httpx2
 import numpy as np
 import pytest
 from fastapi import FastAPI
 
+from service.api.schemas.sweep_answer import SweepAnswer
 from service.api.schemas.sweep_request import SweepRequest
 from service.client import Client, ServiceError, SubmissionNotice
 from service.store.store import Store
+from tests.docs.pages import ROOT, blocks
 from tests.service.conftest import SWEEP, TOKEN, changed
 from tests.service.served import served
 from tests.service.training import RANDOM, random_return, rising, train
@@ -153,3 +157,29 @@ def test_readiness_tells_what_is_missing(app: FastAPI, service: Client) -> None:
     assert service.readiness().status == "ready"
     app.state.dispatcher.problem = "the cluster is starting"
     assert [check.problem for check in service.readiness().checks][-1] == "the cluster is starting"
+
+
+def test_what_the_clients_page_shows_runs(
+    service: Client, store: Store, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """docs/client.md, with workers that train as soon as a sweep is submitted."""
+    submit = Client.submit
+
+    def submit_and_train(client: Client, request: Mapping[str, Any]) -> SweepAnswer:
+        sweep = submit(client, request)
+        store.record_random_return(random_return("Pendulum", RANDOM))
+        train(store, 5, rising)
+        return sweep
+
+    monkeypatch.setattr(Client, "submit", submit_and_train)
+    monkeypatch.setenv("D3PG_URL", service.url)
+    monkeypatch.setenv("D3PG_TOKEN", TOKEN)
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    monkeypatch.chdir(tmp_path)
+    (shown,) = blocks(ROOT / "docs" / "client.md", "python")
+    names: dict[str, Any] = {}
+    exec(compile(shown, "client.md", "exec"), names)  # noqa: S102
+    names["client"].close()
+    names["plt"].close()
+    assert names["values"].shape == (16, 5)
+    assert (tmp_path / "curves.png").stat().st_size > 0

@@ -3,7 +3,6 @@
 It can be stopped and started again on the same port and database, as a service that crashes is.
 """
 
-import socket
 import threading
 import time
 from collections.abc import Sequence
@@ -28,9 +27,10 @@ from service.model.environment import environment_facts
 from service.model.sweep import Sweep
 from service.settings import Settings
 from service.store.store import Store
+from tests.end_to_end.running_service import free_port
 from workers.messages.progress import Progress
 from workers.messages.random_return import RandomReturn
-from workers.messages.run_spec import RunSpec
+from workers.messages.run_spec import RunSpec, Weights
 
 Floats = NDArray[np.float64]
 
@@ -71,10 +71,7 @@ class LiveService:
 
     def __init__(self, data_dir: Path) -> None:
         """Serve on a free port."""
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            port = probe.getsockname()[1]
-        self.settings = Settings(data_dir=data_dir, port=port, token=SecretStr(TOKEN))
+        self.settings = Settings(data_dir=data_dir, port=free_port(), token=SecretStr(TOKEN))
         self.url = self.settings.url
         self.signin_link = signin_link(self.settings, TOKEN)
         self.store = Store.open(self.settings.store_url)
@@ -129,7 +126,7 @@ class LiveService:
         for environment in environments:
             self.measure_random(environment)
         specs = [
-            RunSpec(algorithm, environment, seed, (w1, w2), timesteps)
+            RunSpec(algorithm, environment, seed, Weights(w1, w2), timesteps)
             for environment in environments
             for algorithm, w1, w2 in learners
             for seed in range(seeds)
@@ -154,7 +151,7 @@ class LiveService:
         going_on = []
         for claim in self._claims:
             is_last = end >= claim.specs[0].timesteps
-            finished = tuple(claim.by_seed) if is_last else ()
+            finished = tuple(spec.seed for spec in claim.specs) if is_last else ()
             taken = tuple(m for spec in claim.specs for m in measurements(spec, start, end))
             self.store.record(claim, Progress(end, measurements=taken, finished=finished))
             if not is_last:

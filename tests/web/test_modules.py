@@ -19,16 +19,16 @@ def call(page: Page, module: str, function: str, *arguments: Any) -> Any:
 def address(page: Page, module: str) -> str:
     """Where a module is, under the version of the page's own script."""
     script = page.locator("script[type=module]").get_attribute("src") or ""
-    return f"{script.rpartition('/')[0]}/{module}.js"
+    return f"{script.rpartition('/pages/')[0]}/{module}.js"
 
 
 def test_smoothing_is_the_debiased_average(signed_in: Page) -> None:
     values = [3.0, None, 1.0, 2.0]
-    smoothed = call(signed_in, "smoothing", "smooth", values, 0.5)
+    smoothed = call(signed_in, "charts/smoothing", "smooth", values, 0.5)
     # m_1 = 1.5, m_2 = 1.25, m_3 = 1.625 over 1 - 2^-k
     assert smoothed == [3.0, None, pytest.approx(1.25 / 0.75), pytest.approx(1.625 / 0.875)]
-    assert call(signed_in, "smoothing", "smooth", [7.0] * 5, 0.9) == pytest.approx([7.0] * 5)
-    assert call(signed_in, "smoothing", "smooth", values, 0) == values
+    assert call(signed_in, "charts/smoothing", "smooth", [7.0] * 5, 0.9) == pytest.approx([7.0] * 5)
+    assert call(signed_in, "charts/smoothing", "smooth", values, 0) == values
 
 
 @pytest.mark.parametrize(
@@ -53,32 +53,32 @@ def test_smoothing_is_the_debiased_average(signed_in: Page) -> None:
     ],
 )
 def test_format(signed_in: Page, function: str, value: float | None, text: str) -> None:
-    assert call(signed_in, "format", function, value) == text
+    assert call(signed_in, "texts/format", function, value) == text
 
 
 def test_bands_in_words(signed_in: Page) -> None:
-    assert call(signed_in, "format", "withBand", 0.8421, 0.8111, 0.8731) == "0.842 ± 0.031"
-    assert call(signed_in, "format", "withBand", 0.84, -0.5, 0.9) == "0.84 (−0.5 to 0.9)"
-    assert call(signed_in, "format", "withBand", -3.0, None, None) == "−3"
+    assert call(signed_in, "texts/format", "withBand", 0.8421, 0.8111, 0.8731) == "0.842 ± 0.031"
+    assert call(signed_in, "texts/format", "withBand", 0.84, -0.5, 0.9) == "0.84 (−0.5 to 0.9)"
+    assert call(signed_in, "texts/format", "withBand", -3.0, None, None) == "−3"
 
 
 @pytest.mark.parametrize(
     ("x", "label"), [("seconds", "processor seconds of training"), ("timesteps", "timesteps")]
 )
 def test_axes_say_what_they_are_over(signed_in: Page, x: str, label: str) -> None:
-    assert call(signed_in, "view", "xLabel", x) == label
+    assert call(signed_in, "parts/view", "xLabel", x) == label
 
 
 def test_what_a_run_cost_is_no_diagnostic_of_it(signed_in: Page) -> None:
     names = ["timestep", "seconds", "compile_seconds", "critic_loss"]
     columns = {name: [1.0] for name in names}
-    charts = call(signed_in, "diagnostics", "chartsOf", columns)
+    charts = call(signed_in, "run/diagnostics", "chartsOf", columns)
     assert [name for chart in charts for name in chart["names"]] == ["critic_loss"]
 
 
 def test_colours_are_those_of_the_figures_in_files(signed_in: Page) -> None:
     for algorithm in [*COLOURS, "somebody-s-own", "td3", "ppo"]:
-        ours = call(signed_in, "palette", "algorithmColour", algorithm)
+        ours = call(signed_in, "parts/palette", "algorithmColour", algorithm)
         assert ours == colour(algorithm).lower()
 
 
@@ -92,7 +92,7 @@ def test_no_two_entries_share_colour_and_dash(signed_in: Page) -> None:
       const { identities } = await import(path);
       return [...identities(entries).values()].map(({ colour, dash }) => `${colour} ${dash}`);
     }"""
-    shown = signed_in.evaluate(script, [address(signed_in, "identity"), entries])
+    shown = signed_in.evaluate(script, [address(signed_in, "parts/identity"), entries])
     assert len(set(shown)) == len(entries)
 
 
@@ -102,7 +102,7 @@ def test_grids_are_joined_without_inventing_values(signed_in: Page) -> None:
       const xs = union([[1, 3, 5], [2, 3]]);
       return [xs, placement([2, 3], xs)([null, 7]).map((value) => value ?? String(value))];
     }"""
-    assert signed_in.evaluate(script, address(signed_in, "alignment")) == [
+    assert signed_in.evaluate(script, address(signed_in, "charts/layers")) == [
         [1, 2, 3, 5],
         [None, "null", 7, None],
     ]
@@ -113,5 +113,5 @@ def test_logarithmic_ticks_are_round_and_apart(signed_in: Page) -> None:
       const { roundTicks } = await import(path);
       return roundTicks(0.03, 20, (value) => 100 * Math.log10(value), 25);
     }"""
-    ticks = signed_in.evaluate(script, address(signed_in, "ticks"))
+    ticks = signed_in.evaluate(script, address(signed_in, "charts/axes"))
     assert ticks == [0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20]

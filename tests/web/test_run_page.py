@@ -44,6 +44,20 @@ def test_a_run_s_curves_grow(signed_in: Page, live: LiveService, sweep: Sweep, s
     )
 
 
+def test_a_run_that_does_not_train_yet_says_that_kernels_compile(
+    signed_in: Page, live: LiveService
+) -> None:
+    sweep = live.add_sweep(environments=("Pendulum",))
+    live.train(0, 0)  # claimed, and nothing heard of it but that its worker lives
+    signed_in.goto(f"{live.url}/runs/{sweep.id}-5")
+    status = signed_in.locator("#status")
+    expect(status).to_contain_text("running, compiling or loading kernels, submitted")
+    live.train(0, 1600)
+    expect(status).to_contain_text("running, submitted")
+    live.train(1600, 20_000)
+    expect(status).to_contain_text("succeeded, took")
+
+
 def test_a_failed_run_tells_why(signed_in: Page, live: LiveService, sweep: Sweep) -> None:
     live.fail("Traceback ...\nValueError: <b>no</b>")
     signed_in.goto(f"{live.url}/runs/{sweep.id}-4")

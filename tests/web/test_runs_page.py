@@ -97,6 +97,17 @@ def test_rows_progress_by_themselves(rows: Locator, live: LiveService) -> None:
     assert rows.first.locator("polyline").get_attribute("points") != before
 
 
+def test_each_row_says_whether_its_kernels_compile(signed_in: Page, live: LiveService) -> None:
+    sweep = live.add_sweep(environments=("Pendulum",))
+    live.train(0, 0)
+    compiling = signed_in.locator(".runs tbody tr", has_text="compiling or loading kernels")
+    signed_in.goto(f"{live.url}/sweeps/{sweep.id}/runs")
+    expect(compiling).to_have_count(8)
+    live.train(0, 1600)
+    expect(compiling).to_have_count(0)
+    expect(signed_in.locator(".runs tbody tr", has_text="running")).to_have_count(8)
+
+
 @pytest.mark.slow
 def test_ten_thousand_runs(signed_in: Page, live: LiveService) -> None:
     sweep = live.add_sweep("large", environments=("Pendulum",), seeds=5000, timesteps=4000)

@@ -1,6 +1,7 @@
 """The form that submits a sweep: what it says before, what it refuses, what it sends."""
 
 import json
+import re
 from urllib.parse import quote
 
 import pytest
@@ -126,4 +127,36 @@ def test_errors_stand_beside_their_fields(
     noise = signed_in.locator("#setting-hybrid-ddpg-noise")
     expect(noise.locator("xpath=..").locator(".fault")).to_contain_text("less than or equal to 1")
     assert all("422" in complaint for complaint in complaints)
+    complaints.clear()
+
+
+def test_a_form_that_cannot_be_made_says_why_and_is_made_at_the_next_try(
+    signed_in: Page, live: LiveService, complaints: list[str]
+) -> None:
+    live.trouble.failing["/api/v1/catalogue"] = 500
+    signed_in.get_by_role("button", name="New sweep").click()
+    fault = signed_in.locator("#submission-fault")
+    expect(fault).to_have_text("The database is on holiday.")
+    expect(signed_in.get_by_role("button", name="Submit")).to_be_disabled()
+    del live.trouble.failing["/api/v1/catalogue"]
+    signed_in.get_by_role("button", name="Close").click()
+    signed_in.get_by_role("button", name="New sweep").click()
+    expect(signed_in.locator("[name=algorithm][value=ddpg]")).to_be_visible()
+    expect(fault).to_be_hidden()
+    assert all("500" in complaint for complaint in complaints)
+    complaints.clear()
+
+
+def test_another_like_it_is_offered_once_it_is_known_what_it_is_like(
+    signed_in: Page, live: LiveService, complaints: list[str]
+) -> None:
+    sweep = live.add_sweep()
+    path = f"/api/v1/sweeps/{sweep.id}"
+    live.trouble.failing[path] = 500
+    signed_in.goto(f"{live.url}/sweeps/{sweep.id}")
+    expect(signed_in.locator("#banner")).to_be_visible()
+    again = signed_in.get_by_role("link", name="Submit another like it")
+    expect(again).to_be_hidden()
+    del live.trouble.failing[path]
+    expect(again).to_have_attribute("href", re.compile("new="))
     complaints.clear()

@@ -249,6 +249,7 @@ def test_the_papers_figures_are_drawn_when_opened(
     assert state(opened) == {"figures": ["1"]}
     link = opened.get_by_role("link", name="Figure 4 as PDF")
     expect(link).to_have_attribute("href", f"/api/v1/sweeps/{sweep.id}/figures/4.pdf")
+    expect(link).to_have_attribute("download", "")  # under the name that the service gives it
     picture = opened.get_by_alt_text("Figure 4 of the paper")
     picture.scroll_into_view_if_needed()
     expect(picture).to_have_js_property("complete", True, timeout=60_000)  # two are drawn

@@ -3,9 +3,9 @@
 import threading
 from collections.abc import Collection
 from dataclasses import dataclass, field
-from typing import Any
 
 from workers.driver.placement import Node
+from workers.messages.work import Work
 
 
 @dataclass
@@ -14,14 +14,14 @@ class FakeSlot:
 
     node: str
     worker: str
-    works: list[dict[str, Any]] = field(default_factory=list)
+    works: list[Work] = field(default_factory=list)
     dropped: list[Collection[int]] = field(default_factory=list)
     idle_seconds: float = 0.0
     is_retired: bool = False
     killed: threading.Event = field(default_factory=threading.Event)
     is_closed: bool = False
 
-    def train(self, work: dict[str, Any]) -> None:
+    def train(self, work: Work) -> None:
         self.works.append(work)
 
     def drop(self, seeds: Collection[int]) -> None:

@@ -17,7 +17,7 @@ PATIENCE_SECONDS = 240.0  # kernels may have to be compiled first
 
 
 def assigned(specs: list[RunSpec]) -> list[Assignment]:
-    return [Assignment(f"run-{spec.seed}", 1, spec) for spec in specs]
+    return [Assignment(f"run-{spec.seed}", 1, spec, 1) for spec in specs]
 
 
 class Heard:
@@ -66,8 +66,8 @@ class Heard:
         """Have specs trained; the cohort's name."""
         self.cohorts += 1
         cohort = f"cohort-{self.cohorts}"
-        work = Work(cohort, tuple(assigned(specs)), measure, {"note": self.cohorts})
-        self.pool.train(worker, work)
+        self.work = Work(cohort, tuple(assigned(specs)), measure_random_return=measure)
+        self.pool.train(worker, self.work)
         return cohort
 
     def wait_for_training(self, worker: str) -> None:

@@ -22,7 +22,7 @@ from algorithms.learner import Learner
 from algorithms.state import State
 from workers.checkpoints.place import Place
 from workers.messages.assignment import Assignment
-from workers.messages.run_spec import RunSpec
+from workers.messages.run_spec import RunSpec, Weights
 from workers.training import cadence
 from workers.training.execute import build_learner, execute
 
@@ -39,7 +39,7 @@ def train(specs: Sequence[RunSpec], root: Place, attempt: int, result: Path) -> 
         learners.update({spec.seed: learner for spec in asked})
         return learner
 
-    runs = [Assignment(f"run-{spec.seed}", attempt, spec) for spec in specs]
+    runs = [Assignment(f"run-{spec.seed}", attempt, spec, 1) for spec in specs]
     said = list(execute(runs, root, tuple, os.abort, build_learner=keep))
     begun = [resumption.timestep for progress in said for resumption in progress.resumed]
     measured = {
@@ -90,9 +90,12 @@ def main(algorithm: str, environment: str, timesteps: int, trials: int, place: s
     a bucket's client do not go together.
     """
     cadence.SHORTEST_SECONDS, cadence.SHARE = 0.0, math.inf
-    specs = [RunSpec(algorithm, environment, seed, (0.0, 0.0), timesteps) for seed in (0, 1)]
+    specs = [RunSpec(algorithm, environment, seed, Weights(), timesteps) for seed in (0, 1)]
     if algorithm.startswith("hybrid"):
-        specs = [RunSpec(s.algorithm, s.environment, s.seed, (0.1, 0.01), timesteps) for s in specs]
+        specs = [
+            RunSpec(s.algorithm, s.environment, s.seed, Weights(0.1, 0.01), timesteps)
+            for s in specs
+        ]
     draw = random.Random(algorithm)  # noqa: S311
     with tempfile.TemporaryDirectory() as folder:
         scratch = Path(folder)

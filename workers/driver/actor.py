@@ -23,6 +23,7 @@ import ray
 from ray.util.scheduling_strategies import NodeAffinitySchedulingStrategy
 
 from workers.driver.placement import Node
+from workers.driver.settings import DriverSettings
 from workers.messages.log_tail import log_tail
 from workers.messages.report import Busy, Ended, Failed, Lost, News, Ready, Retired, to_line
 from workers.messages.work import Work
@@ -98,27 +99,23 @@ def _leave() -> None:
 RemoteWorker: Any = ray.remote(Worker)
 
 
-class Slot:
-    """One worker at a time, on one node and a thread of its own."""
+class ActorSlot:
+    """A Slot of the pool: one actor at a time, on one node and a thread of its own."""
 
     def __init__(
         self,
         node: Node,
         names: "itertools.count[int]",
-        logs: Path,
-        checkpoints: str,
+        settings: DriverSettings,
         send: Send,
-        worker_bytes: int,
     ) -> None:
-        """Start the thread. Its worker is promised so much of the node's memory; 0: none."""
-        self._worker_bytes = worker_bytes
+        """Start the thread."""
+        self._settings = settings
         self.node = node.name
         self.worker = ""
         self._names = names
-        self._checkpoints = checkpoints
-        self._logs = logs
         self._send = send
-        self._work: queue.SimpleQueue[dict[str, Any] | None] = queue.SimpleQueue()  # None: retire
+        self._work: queue.SimpleQueue[Work | None] = queue.SimpleQueue()  # None: retire
         self._actor: Any = None
         self._cohort = ""
         self._is_up = False
@@ -132,7 +129,7 @@ class Slot:
         since = self._idle_since
         return 0.0 if since is None else time.monotonic() - since
 
-    def train(self, work: dict[str, Any]) -> None:
+    def train(self, work: Work) -> None:
         """Give the worker a cohort."""
         self._idle_since = None
         self._work.put(work)
@@ -163,7 +160,7 @@ class Slot:
             self.worker = f"worker-{next(self._names)}"
             self._work = queue.SimpleQueue()
             self._idle_since = time.monotonic()
-            log_path = self._logs / f"{self.worker}.log"
+            log_path = self._settings.logs / f"{self.worker}.log"
             begun = time.monotonic()
             try:
                 self._actor = self._make_actor(log_path)
@@ -179,13 +176,13 @@ class Slot:
         """Begin to make one on the node; where that is dead, its first call raises."""
         actor_class = RemoteWorker.options(
             num_cpus=1,
-            memory=self._worker_bytes or None,
+            memory=self._settings.worker_bytes or None,
             max_restarts=0,
             max_task_retries=0,
             max_concurrency=2,
             scheduling_strategy=NodeAffinitySchedulingStrategy(self.node, soft=False),
         )
-        return actor_class.remote(self.worker, str(log_path), self._checkpoints)
+        return actor_class.remote(self.worker, str(log_path), self._settings.checkpoints)
 
     def _serve(self) -> None:
         """Do work until the worker is retired, or too old, or lost: then ray's error is raised."""
@@ -206,13 +203,13 @@ class Slot:
         self._send(to_line(Retired(self.worker)))
         self.kill()
 
-    def _train(self, work: dict[str, Any]) -> None:
+    def _train(self, work: Work) -> None:
         self._idle_since = None
-        self._cohort = work["cohort"]
-        self._send(to_line(Busy(self.worker, self._cohort, work["note"])))
+        self._cohort = work.cohort
+        self._send(to_line(Busy(self.worker, work)))
         stream = self._actor.train.options(
             num_returns="streaming", _generator_backpressure_num_objects=UNREAD_LIMIT
-        ).remote(work)
+        ).remote(work.to_json())
         for line in stream:
             self._send(ray.get(line))
 

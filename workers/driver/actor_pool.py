@@ -19,6 +19,7 @@ from typing import Any, Protocol
 from workers.driver.outbox import Outbox
 from workers.driver.placement import Bounds, Node, vacancies
 from workers.messages.report import Capacity, to_line
+from workers.messages.work import Work
 
 LOOK_SECONDS = 2.0
 """Between two looks at the cluster's nodes."""
@@ -44,7 +45,7 @@ class Slot(Protocol):
     def idle_seconds(self) -> float:
         """For how long it has had nothing to do; also while its worker is coming up."""
 
-    def train(self, work: dict[str, Any]) -> None:
+    def train(self, work: Work) -> None:
         """Give the worker a cohort."""
 
     def drop(self, seeds: Collection[int]) -> None:
@@ -198,7 +199,7 @@ class ActorPool:
             if slot is None:
                 return
             if command["do"] == "train":
-                slot.train(command["work"])
+                slot.train(Work.from_json(command["work"]))
             elif command["do"] == "drop":
                 slot.drop(command["seeds"])
             elif command["do"] == "kill":

@@ -11,16 +11,16 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any
 
 import ray
 from ray.autoscaler.sdk import request_resources
 
-from workers.driver.actor import Slot
+from workers.driver.actor import ActorSlot
 from workers.driver.actor_pool import ActorPool
 from workers.driver.outbox import Outbox
-from workers.driver.placement import Bounds, Node, room
+from workers.driver.placement import Node, room
+from workers.driver.settings import DriverSettings
 
 OBJECT_STORE_BYTES = 80 * 2**20  # nearly Ray's least; progress is small and never stored
 JOIN_SECONDS = 20.0
@@ -32,26 +32,11 @@ START_SECONDS = 90.0  # on a busy machine; alone it takes 5 to 8
 class RayCluster:
     """The cluster that this process is connected to."""
 
-    def __init__(
-        self,
-        logs: Path,
-        checkpoints: str,
-        send: Callable[[str], None],
-        *,
-        worker_bytes: int,
-        is_ours: bool,
-    ) -> None:
-        """Workers write to these folders, each its own files, and report to `send`.
-
-        Each is promised so much memory; with 0, what there is. A cluster of our own has no
-        autoscaler.
-        """
-        self._worker_bytes = worker_bytes
-        self._is_ours = is_ours
+    def __init__(self, settings: DriverSettings, send: Callable[[str], None]) -> None:
+        """Workers report to `send`."""
+        self._settings = settings
         self._own_node = ray.get_runtime_context().get_node_id()
         self._names = itertools.count(1)
-        self._logs = logs
-        self._checkpoints = checkpoints
         self._send = send
 
     def nodes(self) -> list[Node]:
@@ -63,65 +48,57 @@ class RayCluster:
         living = [node for node in found if node["Alive"]]
         if self._own_node not in {node["NodeID"] for node in living}:
             _give_up("Ray's node on this machine is dead: its raylet was killed, or did not answer")
-        nodes = [Node(n["NodeID"], room(n["Resources"], self._worker_bytes)) for n in living]
+        nodes = [
+            Node(n["NodeID"], room(n["Resources"], self._settings.worker_bytes)) for n in living
+        ]
         return [node for node in nodes if node.room > 0]
 
-    def make_slot(self, node: Node) -> Slot:
+    def make_slot(self, node: Node) -> ActorSlot:
         """Begin to bring a worker up there."""
-        return Slot(
-            node, self._names, self._logs, self._checkpoints, self._send, self._worker_bytes
-        )
+        return ActorSlot(node, self._names, self._settings, self._send)
 
     def request(self, workers: int) -> None:
-        """Ask the autoscaler, if there is one, for a cluster that holds so many; 0: any.
+        """Ask the autoscaler of a joined cluster for one that holds so many; 0: any.
 
         Ray keeps to what was asked last, also after whoever asked has ended. Actors that wait to be
         placed would ask it too, but each asks for a core beside those that are in use, is pinned to
         a node here, and goes on asking where the work has been done by others meanwhile.
         """
-        if not self._is_ours:
-            worker = {"CPU": 1} | ({"memory": self._worker_bytes} if self._worker_bytes else {})
+        memory = self._settings.worker_bytes
+        if self._settings.address:
+            worker = {"CPU": 1} | ({"memory": memory} if memory else {})
             request_resources(bundles=workers * [worker])
 
 
-def drive(
-    listener: socket.socket,
-    bounds: Bounds,
-    address: str,
-    *,
-    worker_bytes: int,
-    logs: Path,
-    checkpoints: str,
-    spool: Path,
-    scratch: str,
-) -> None:
+def drive(listener: socket.socket, settings: DriverSettings) -> None:
     """Join the cluster, or make one for the workers, and obey who connects to the listener."""
-    if address:
-        with _deadline(JOIN_SECONDS, f"Ray at {address} did not answer in {JOIN_SECONDS:.0f} s"):
-            ray.init(address=address, log_to_driver=False, logging_level=logging.WARNING)
-    else:
-        with _deadline(START_SECONDS, f"Ray did not start in {START_SECONDS:.0f} s"):
-            ray.init(
-                address="local",
-                num_cpus=bounds.most,
-                object_store_memory=OBJECT_STORE_BYTES,
-                include_dashboard=False,
-                log_to_driver=False,
-                logging_level=logging.WARNING,
-                _temp_dir=scratch,
-            )
+    _connect(settings)
     try:
-        outbox = Outbox(spool)
-        cluster = RayCluster(
-            logs, checkpoints, outbox.put, worker_bytes=worker_bytes, is_ours=not address
-        )
-        pool = ActorPool(outbox, cluster, bounds)
+        outbox = Outbox(settings.spool)
+        pool = ActorPool(outbox, RayCluster(settings, outbox.put), settings.bounds)
         follower = threading.Thread(target=pool.follow, name="nodes", daemon=True)
         follower.start()
         pool.serve(listener)
         follower.join(WITHDRAWAL_SECONDS)
     finally:
         ray.shutdown()
+
+
+def _connect(settings: DriverSettings) -> None:
+    if address := settings.address:
+        with _deadline(JOIN_SECONDS, f"Ray at {address} did not answer in {JOIN_SECONDS:.0f} s"):
+            ray.init(address=address, log_to_driver=False, logging_level=logging.WARNING)
+    else:
+        with _deadline(START_SECONDS, f"Ray did not start in {START_SECONDS:.0f} s"):
+            ray.init(
+                address="local",
+                num_cpus=settings.most,
+                object_store_memory=OBJECT_STORE_BYTES,
+                include_dashboard=False,
+                log_to_driver=False,
+                logging_level=logging.WARNING,
+                _temp_dir=settings.scratch,
+            )
 
 
 def _give_up(complaint: str) -> None:

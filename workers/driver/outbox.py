@@ -14,53 +14,42 @@ from collections.abc import Iterable
 from io import BufferedWriter
 from pathlib import Path
 
-from workers.messages.report import (
-    Busy,
-    Capacity,
-    Ended,
-    Failed,
-    Lost,
-    Ready,
-    Report,
-    Retired,
-    from_line,
-    to_line,
-)
+from workers.messages.report import Lost, Report, from_line, heading
 
-GREETING = '{"kind": "greeting"}'
+GREETING = "greeting"
 """The first line of every connection: the pool is there and speaks."""
 
 
 class Roster:
-    """What each worker is doing, as a report that says so, and what the cluster has room for."""
+    """The lines that say what each worker is doing, and what the cluster has room for."""
 
     def __init__(self) -> None:
         """Know of no worker."""
-        self._capacity: Capacity | None = None
-        self._ready: dict[str, Ready] = {}
-        self._doing: dict[str, Report] = {}
+        self._capacity: list[str] = []  # the last one
+        self._ready: dict[str, str] = {}
+        self._doing: dict[str, str] = {}
 
-    def take(self, report: Report) -> None:
+    def take(self, line: str) -> None:
         """Take a report into account."""
-        match report:
-            case Ready(worker):
-                self._ready[worker] = self._doing[worker] = report
-            case Busy(worker):
-                self._doing[worker] = report
-            case Ended(worker) | Failed(worker):
+        kind, worker = heading(line)
+        match kind:
+            case "ready":
+                self._ready[worker] = self._doing[worker] = line
+            case "busy":
+                self._doing[worker] = line
+            case "ended" | "failed":
                 if worker in self._ready:
                     self._doing[worker] = self._ready[worker]
-            case Lost(worker) | Retired(worker):
+            case "lost" | "retired":
                 self._ready.pop(worker, None)
                 self._doing.pop(worker, None)
-            case Capacity():
-                self._capacity = report
+            case "capacity":
+                self._capacity = [line]
 
     @property
-    def reports(self) -> list[Report]:
+    def lines(self) -> list[str]:
         """One for the cluster, once it is known, and one for each worker."""
-        of_cluster = [] if self._capacity is None else [self._capacity]
-        return [*of_cluster, *self._doing.values()]
+        return [*self._capacity, *self._doing.values()]
 
     @property
     def workers(self) -> list[str]:
@@ -70,7 +59,7 @@ class Roster:
     @property
     def is_busy(self) -> bool:
         """Whether any worker trains."""
-        return any(isinstance(report, Busy) for report in self._doing.values())
+        return any(heading(line).kind == "busy" for line in self._doing.values())
 
 
 class Outbox:
@@ -92,7 +81,7 @@ class Outbox:
     def put(self, line: str) -> None:
         """Send a report, now or when somebody listens."""
         with self._lock:
-            self._told.take(from_line(line))
+            self._told.take(line)
             self._unacknowledged.append(line)
             self._unsent.append(line)
             if self._channel is None:
@@ -102,7 +91,7 @@ class Outbox:
     def attach(self, channel: socket.socket) -> None:
         """Tell the one at the other end everything that is not recorded, then what comes."""
         with self._lock:
-            introduction = [to_line(report) for report in self._recorded.reports]
+            introduction = self._recorded.lines
             self._introduction = len(introduction)
             self._unsent = deque([GREETING, *introduction, *self._unacknowledged])
             self._channel = channel
@@ -113,7 +102,7 @@ class Outbox:
         with self._lock:
             self._channel = None
             self._close_spool()
-            self._write([*map(to_line, self._recorded.reports), *self._unacknowledged])
+            self._write([*self._recorded.lines, *self._unacknowledged])
 
     def acknowledge(self, count: int) -> None:
         """The first so many lines that were sent and not acknowledged are recorded."""
@@ -121,7 +110,7 @@ class Outbox:
             of_introduction = min(count, self._introduction)
             self._introduction -= of_introduction
             for _ in range(min(count - of_introduction, len(self._unacknowledged))):
-                self._recorded.take(from_line(self._unacknowledged.popleft()))
+                self._recorded.take(self._unacknowledged.popleft())
             if not self._unacknowledged:
                 self._close_spool()
                 self._spool_path.unlink(missing_ok=True)
@@ -163,13 +152,14 @@ def read_spool(path: Path) -> list[Report]:
 
     The last line may have been cut off: a damaged line and all that follow it are left out.
     """
-    roster, reports = Roster(), []
-    for line in path.read_bytes().splitlines():
+    roster = Roster()
+    reports: list[Report] = []
+    for line in path.read_bytes().split(b"\n"):
         try:
             reports.append(from_line(line))
         except ValueError:
             break
-        roster.take(reports[-1])
+        roster.take(line.decode())
     reason = "its worker ended while the service was away"
     lost = [Lost(worker, reason, "") for worker in roster.workers]
     return [*reports, *lost]

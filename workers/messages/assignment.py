@@ -9,17 +9,23 @@ from workers.messages.run_spec import RunSpec
 
 @dataclass(frozen=True)
 class Assignment:
-    """What a worker is told of a run. Its checkpoints lie under its name."""
+    """A run under one attempt, as the service claims it and its worker trains it.
+
+    run_id               its checkpoints lie under that name
+    attempt              what the worker says under an older number is refused
+    environment_version  of its task's numbers, under which it was submitted
+    """
 
     run_id: str
     attempt: int
     spec: RunSpec
+    environment_version: int
 
     def to_json(self) -> dict[str, Any]:
         """Plain values; `from_json` gives an equal assignment back."""
-        return {"run_id": self.run_id, "attempt": self.attempt, "spec": self.spec.to_json()}
+        return {**vars(self), "spec": self.spec.to_json()}
 
     @classmethod
     def from_json(cls, document: Mapping[str, Any]) -> "Assignment":
         """Read what `to_json` wrote."""
-        return cls(document["run_id"], document["attempt"], RunSpec.from_json(document["spec"]))
+        return cls(**{**document, "spec": RunSpec.from_json(document["spec"])})

@@ -84,7 +84,7 @@ class Progress:
 
     @classmethod
     def from_json(cls, document: Mapping[str, Any]) -> "Progress":
-        """Read what `dataclasses.asdict` made, also after a trip through JSON text."""
+        """Read it off a report's JSON."""
         measured = document["random_return"]
         return cls(
             timestep=document["timestep"],

@@ -1,11 +1,22 @@
-"""What a pool of workers tells the one who uses it. Each is a line of JSON on its way."""
+"""What a pool of workers tells the one who uses it.
+
+On its way a report is a line: its kind, the worker's name, and its fields as JSON. Whoever passes
+lines on reads the first two words at most; the fields are read once, where the report is used.
+"""
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
+from typing import NamedTuple
 
 from workers.messages.progress import Progress
+from workers.messages.work import Work
+
+FORMAT = 2
+"""Of what service and pool say to each other. A pool that was left by a service of another format
+is ended and not taken up."""
+NOBODY = "-"
+"""Stands for the worker in a line that is of none."""
 
 
 @dataclass(frozen=True)
@@ -19,11 +30,10 @@ class Ready:
 
 @dataclass(frozen=True)
 class Busy:
-    """A worker has begun a cohort; `note` is that of its work."""
+    """A worker has begun a cohort: for whoever hears of it and did not assign it."""
 
     worker: str
-    cohort: str
-    note: Mapping[str, Any]
+    work: Work
 
 
 @dataclass(frozen=True)
@@ -94,19 +104,41 @@ KINDS: Mapping[str, type[Report]] = {
 }
 
 
+class Heading(NamedTuple):
+    """What a line says of itself before its fields."""
+
+    kind: str
+    worker: str
+
+
+def heading(line: str) -> Heading:
+    """Return the heading of a line that `to_line` wrote."""
+    kind, worker, _ = line.split(" ", 2)
+    return Heading(kind, worker)
+
+
 def to_line(report: Report) -> str:
-    """Write a report as JSON; `from_line` gives an equal one back (a NaN stays a NaN)."""
+    """Write a report as a line; `from_line` gives an equal one back (a NaN stays a NaN)."""
     kind = next(kind for kind, noun in KINDS.items() if isinstance(report, noun))
-    return json.dumps({"kind": kind, **asdict(report)})
+    fields = dict(vars(report))
+    worker = fields.pop("worker", NOBODY)
+    if isinstance(report, Busy):
+        fields["work"] = report.work.to_json()
+    return f"{kind} {worker} {json.dumps(fields, default=vars)}"
 
 
 def from_line(line: str | bytes) -> Report:
     """Read what `to_line` wrote. Raises ValueError for anything else."""
+    text = line if isinstance(line, str) else line.decode()
     try:
-        fields = json.loads(line)
-        kind = KINDS[fields.pop("kind")]
-        if kind is News:
-            return News(fields["worker"], fields["cohort"], Progress.from_json(fields["progress"]))
-        return kind(**fields)
+        kind, worker, rest = text.split(" ", 2)
+        fields = json.loads(rest)
+        if worker != NOBODY:
+            fields["worker"] = worker
+        if kind == "news":
+            fields["progress"] = Progress.from_json(fields["progress"])
+        elif kind == "busy":
+            fields["work"] = Work.from_json(fields["work"])
+        return KINDS[kind](**fields)
     except (LookupError, TypeError, AttributeError) as error:
         raise ValueError(f"no report: {error}") from error

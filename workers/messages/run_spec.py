@@ -5,72 +5,50 @@ specs differ in the seed alone share a *cell*; one worker trains up to `COHORT_L
 once (a *cohort*).
 """
 
-import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 COHORT_LIMIT = 16
 
 
-class Cell(NamedTuple):
-    """What runs of one curve share: the whole spec but the seed. Hashable and ordered."""
+class Weights(NamedTuple):
+    """Weights of the critic's gradient terms: w1 of the action's, w2 of the state's."""
 
-    algorithm: str
-    environment: str
-    weights: tuple[float, float]
-    timesteps: int
-    config: str  # canonical JSON
+    w1: float = 0.0
+    w2: float = 0.0
+
+
+NO_WEIGHTS = Weights()
 
 
 @dataclass(frozen=True)
 class RunSpec:
-    """One run. `weights` are (w1, w2) of the gradient terms; `config` overrides the preset."""
+    """One run. `config` overrides the preset."""
 
     algorithm: str
     environment: str
     seed: int
-    weights: tuple[float, float] = (0.0, 0.0)
+    weights: Weights = NO_WEIGHTS
     timesteps: int = 40_000
-    config: Mapping[str, Any] = field(default_factory=dict)
+    config: Mapping[str, Any] = field(default_factory=dict, hash=False)
 
     @property
-    def cell(self) -> Cell:
-        """The spec without its seed."""
-        return Cell(
-            self.algorithm,
-            self.environment,
-            self.weights,
-            self.timesteps,
-            json.dumps(self.config, sort_keys=True, separators=(",", ":"), allow_nan=False),
-        )
+    def cell(self) -> "RunSpec":
+        """What the runs of one curve share: the spec with the seed 0 stands for all of them."""
+        return replace(self, seed=0)
 
     def to_json(self) -> dict[str, Any]:
         """Plain values; `from_json` gives an equal spec back."""
-        return {
-            "algorithm": self.algorithm,
-            "environment": self.environment,
-            "seed": self.seed,
-            "weights": {"w1": self.weights[0], "w2": self.weights[1]},
-            "timesteps": self.timesteps,
-            "config": dict(self.config),
-        }
+        return {**vars(self), "weights": self.weights._asdict(), "config": dict(self.config)}
 
     @classmethod
     def from_json(cls, document: Mapping[str, Any]) -> "RunSpec":
         """Read what `to_json` wrote."""
-        weights = document["weights"]
-        return cls(
-            algorithm=document["algorithm"],
-            environment=document["environment"],
-            seed=document["seed"],
-            weights=(weights["w1"], weights["w2"]),
-            timesteps=document["timesteps"],
-            config=dict(document["config"]),
-        )
+        return cls(**{**document, "weights": Weights(**document["weights"])})
 
 
-def shared_cell(specs: Sequence[RunSpec]) -> Cell:
+def shared_cell(specs: Sequence[RunSpec]) -> RunSpec:
     """Return the cell of a cohort.
 
     Raises ValueError when the specs are not a cohort: none, too many, of several cells, or with a
@@ -78,9 +56,9 @@ def shared_cell(specs: Sequence[RunSpec]) -> Cell:
     """
     if not 1 <= len(specs) <= COHORT_LIMIT:
         raise ValueError(f"a cohort is 1 to {COHORT_LIMIT} runs, got {len(specs)}")
-    cells = {spec.cell for spec in specs}
-    if len(cells) > 1:
-        raise ValueError(f"the runs of a cohort differ in their seed alone, got {sorted(cells)}")
+    if len(cells := {spec.cell for spec in specs}) > 1:
+        different = ", ".join(map(str, cells))
+        raise ValueError(f"the runs of a cohort differ in their seed alone, got {different}")
     seeds = [spec.seed for spec in specs]
     if len(set(seeds)) < len(seeds):
         raise ValueError(f"the seeds of a cohort are distinct, got {seeds}")

@@ -1,13 +1,14 @@
 """What a worker is given to do."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from workers.messages.assignment import Assignment
 from workers.messages.run_spec import RunSpec
 
 REPORT_SECONDS = 1.0
+LEASE_SECONDS = 15.0
 
 
 @dataclass(frozen=True)
@@ -16,15 +17,15 @@ class Work:
 
     cohort                names it in every report; never given twice
     runs                  its runs
+    lease_seconds         a worker that is not heard of for so long has lost them
     measure_random_return measure that of its task first
-    note                  plain values, for whoever hears of the cohort and did not assign it
     report_seconds        between two reports of its progress; each is also a heartbeat
     """
 
     cohort: str
     runs: tuple[Assignment, ...]
+    lease_seconds: float = LEASE_SECONDS
     measure_random_return: bool = False
-    note: Mapping[str, Any] = field(default_factory=dict)
     report_seconds: float = REPORT_SECONDS
 
     @property
@@ -34,21 +35,10 @@ class Work:
 
     def to_json(self) -> dict[str, Any]:
         """Plain values; `from_json` gives an equal one back."""
-        return {
-            "cohort": self.cohort,
-            "runs": [run.to_json() for run in self.runs],
-            "measure_random_return": self.measure_random_return,
-            "note": dict(self.note),
-            "report_seconds": self.report_seconds,
-        }
+        return {**vars(self), "runs": [run.to_json() for run in self.runs]}
 
     @classmethod
     def from_json(cls, document: Mapping[str, Any]) -> "Work":
         """Read what `to_json` wrote."""
-        return cls(
-            document["cohort"],
-            tuple(Assignment.from_json(run) for run in document["runs"]),
-            document["measure_random_return"],
-            document["note"],
-            document["report_seconds"],
-        )
+        runs = tuple(Assignment.from_json(run) for run in document["runs"])
+        return cls(**{**document, "runs": runs})

@@ -27,8 +27,9 @@ from typing import Any
 from workers.checkpoints.place import Place
 from workers.driver.outbox import read_spool
 from workers.driver.placement import Bounds
+from workers.driver.settings import DriverSettings
 from workers.messages.log_tail import log_tail
-from workers.messages.report import Report, from_line
+from workers.messages.report import FORMAT, Report, from_line
 from workers.messages.work import Work
 from workers.pool.environment import pool_environment
 from workers.pool.pool import PoolUnavailableError
@@ -67,6 +68,19 @@ class PoolSettings:
         if self.ray_address:
             return Bounds(self.min_workers, self.max_workers)
         return Bounds(self.workers, self.workers)
+
+    def for_driver(self, listener: int, scratch: str) -> DriverSettings:
+        """Return what the process is told that listens there."""
+        return DriverSettings(
+            listener=listener,
+            address=self.ray_address,
+            **asdict(self.bounds),
+            worker_bytes=self.worker_bytes,
+            logs=(self.data_dir / "logs").resolve(),
+            checkpoints=str(self.checkpoints),
+            spool=(self.data_dir / "spool").resolve() / f"{Path(scratch).name}.jsonl",
+            scratch=scratch,
+        )
 
 
 class PoolProcess:
@@ -165,29 +179,15 @@ class PoolProcess:
     # ---- finding and starting the process
 
     def _launch(self) -> None:
-        logs = self._log_path.parent
-        logs.mkdir(parents=True, exist_ok=True)
+        self._log_path.parent.mkdir(parents=True, exist_ok=True)
         # Ray's own files: short, for a socket's path has at most 107 bytes, and gone at the end.
         self._scratch = tempfile.mkdtemp(prefix="d3pg-ray-")
-        spool = self._spool_folder.resolve() / f"{Path(self._scratch).name}.jsonl"
         with socket.socket(socket.AF_UNIX) as listener, self._log_path.open("wb") as log:
             listener.bind(self._socket_path)
             listener.listen(1)
+            driver = self._settings.for_driver(listener.fileno(), self._scratch)
             self._process = subprocess.Popen(  # noqa: S603  (our own interpreter and module)
-                [
-                    sys.executable,
-                    "-m",
-                    "workers",
-                    f"--listener={listener.fileno()}",
-                    f"--least={self._settings.bounds.least}",
-                    f"--most={self._settings.bounds.most}",
-                    f"--worker-bytes={self._settings.worker_bytes}",
-                    f"--address={self._settings.ray_address}",
-                    f"--logs={logs.resolve()}",
-                    f"--checkpoints={self._settings.checkpoints}",
-                    f"--spool={spool}",
-                    f"--scratch={self._scratch}",
-                ],
+                [sys.executable, "-m", "workers", *driver.arguments()],
                 pass_fds=[listener.fileno()],
                 stdin=subprocess.DEVNULL,
                 stdout=log,
@@ -238,6 +238,7 @@ class PoolProcess:
 
     def _described(self) -> dict[str, Any]:
         return {
+            "format": FORMAT,
             "process": self._process_id,
             "scratch": self._scratch,
             "bounds": asdict(self._settings.bounds),

@@ -15,7 +15,7 @@ from workers.messages.assignment import Assignment
 from workers.messages.progress import Activity, Progress
 from workers.messages.run_spec import RunSpec, shared_cell
 from workers.messages.work import REPORT_SECONDS
-from workers.training.cohort import Cohort
+from workers.training.cohort_thread import CohortThread
 from workers.training.fingerprint import fingerprint
 from workers.training.random_play import measure_random_return as measure
 
@@ -60,7 +60,7 @@ def execute(
     cell = shared_cell([run.spec for run in runs])
     yield Progress(0, Activity.COMPILING)
     own = fingerprint()
-    cohort = Cohort(
+    cohort = CohortThread(
         {run.spec.seed: Checkpoints(checkpoints, run, own) for run in runs},
         lambda seeds: build_learner([specs[seed] for seed in seeds]),
         dropped,

@@ -1,7 +1,7 @@
 """Colours of algorithms: bound to the name, so that a figure's order never changes them.
 
 The Okabe-Ito palette (Okabe and Ito, 2008), told apart by the colour-blind. Curves of one colour
-differ in their dashes. web/static/palette.js has both too.
+differ in their dashes. web/static/parts/palette.js has both too.
 """
 
 import zlib

@@ -4,8 +4,9 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-Number = Literal["2", "3", "4", "5", "6"]
-RETURNS = ("return_mean", "return_history")
+from service.model.run_curve import RETURNS
+
+FigureNumber = Literal["2", "3", "4", "5", "6"]
 MAX_CURVES = 500
 MAX_LEARNERS = 12
 
@@ -38,7 +39,7 @@ class PaperFigure:
         return self.environment in where if self.environment else bool(where)
 
 
-PAPER: Mapping[Number, PaperFigure] = {
+PAPER: Mapping[FigureNumber, PaperFigure] = {
     "2": PaperFigure(
         "the critic of the mass point",
         ("hybrid-ddpg", "ddpg"),

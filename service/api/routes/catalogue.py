@@ -20,6 +20,7 @@ from service.api.schemas.sweep_request import (
     MAX_WEIGHT,
 )
 from service.model.environment import EnvironmentFacts, known_environments
+from workers.messages.run_spec import Weights
 
 router = APIRouter(tags=["catalogue"])
 
@@ -177,7 +178,7 @@ def _algorithm(name: str, environments: Sequence[EnvironmentFacts]) -> Algorithm
 
 def _preset(usual: Preset) -> PresetAnswer:
     return PresetAnswer(
-        weights=WeightsAnswer(w1=usual.weights[0], w2=usual.weights[1]),
+        weights=WeightsAnswer.of(Weights(*usual.weights)),
         timesteps=usual.timesteps,
         config=dict(usual.config),
     )

@@ -1,21 +1,29 @@
 """Curves of a sweep: what its figures are drawn from too."""
 
-from collections.abc import Collection
+from dataclasses import replace
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Response
 from pydantic import BaseModel, ConfigDict, Field
 
-from service.analysis.comparison import METRIC_TEXT, RETURNS, Abscissa, Comparison, View, compare
+from service.analysis.comparison import (
+    MAX_TOTAL_POINTS,
+    METRIC_TEXT,
+    Abscissa,
+    Comparison,
+    View,
+    compare,
+)
 from service.analysis.curves import Band
+from service.api.context import TheStore, TheSweep
 from service.api.problems import Fault, InvalidRequest
-from service.api.routes.context import TheStore, TheSweep
-from service.api.routes.revalidation import RevalidatedRoute
+from service.api.revalidation import RevalidatedRoute
 from service.api.schemas.curves_answer import CurvesAnswer, curves_json
 from service.api.schemas.sweep_request import MAX_RUNS, Text
 from service.api.submission.nearest import unknown_name
 from service.model.entry import Entries
 from service.model.environment import best_return
+from service.model.run_curve import RETURNS
 from service.model.sweep import Sweep
 from service.store.store import Store
 
@@ -23,7 +31,6 @@ router = APIRouter(prefix="/sweeps/{sweep_id}", tags=["curves"], route_class=Rev
 
 DEFAULT_POINTS = 300
 MAX_POINTS = 10_000
-MAX_TOTAL_POINTS = 500_000
 
 
 class BandQuery(BaseModel):
@@ -49,6 +56,11 @@ class BandQuery(BaseModel):
         ),
     )
 
+    def view(self, metric: str) -> View:
+        """Return the view of a metric."""
+        is_normalized = metric in RETURNS if self.normalized is None else self.normalized
+        return View(metric, is_normalized, self.band, self.x, self.max_points)
+
 
 class CurveQuery(BandQuery):
     """Which curves, and how."""
@@ -70,7 +82,8 @@ class CurveQuery(BandQuery):
 @router.get("/curves", response_model=CurvesAnswer)
 def get_curves(sweep: TheSweep, query: Annotated[CurveQuery, Query()], store: TheStore) -> Response:
     """Answer mean and band over seeds, exact, from all of them, with n."""
-    comparison = compared(store, sweep, query, query.metric, with_seeds=query.seeds, run=query.run)
+    view = replace(query.view(query.metric), with_seeds=query.seeds)
+    comparison = compared(store, sweep, view, query.run)
     return Response(curves_json(sweep.id, comparison, query.seeds), media_type="application/json")
 
 
@@ -89,40 +102,21 @@ def get_metrics(sweep: TheSweep, store: TheStore) -> list[str]:
     return [*METRIC_TEXT, *store.diagnostic_names(sweep.id)]
 
 
-def compared(
-    store: Store,
-    sweep: Sweep,
-    query: BandQuery,
-    metric: str,
-    algorithms: Collection[str] = (),
-    environment: str = "",
-    *,
-    with_seeds: bool = False,
-    run: int | None = None,
-) -> Comparison:
-    """Return the comparison of a sweep's runs: all, or those of some algorithms, a task, a number.
+def compared(store: Store, sweep: Sweep, view: View, run: int | None = None) -> Comparison:
+    """Return the comparison of a sweep's runs, or of the one of that number.
 
     Raises InvalidRequest for a metric that cannot be shown.
     """
-    if metric not in RETURNS and metric not in (known := store.diagnostic_names(sweep.id)):
-        raise InvalidRequest([unknown_name("metric", metric, [*sorted(RETURNS), *known])])
-    if query.normalized and metric not in RETURNS:
-        fault = Fault("normalized", f"only returns have a normalised scale, {metric!r} has none")
-        raise InvalidRequest([fault])
-    runs = [
-        one
-        for one in store.curve_points(sweep.id, metric, query.x, run)
-        if (not algorithms or one.spec.algorithm in algorithms)
-        and environment in ("", one.spec.environment)
-    ]
-    entries = Entries(sweep.request)
-    curves = {(run.spec.environment, entries.label(run.run_id)) for run in runs}
-    lines = len(runs) if with_seeds else len(curves)
-    view = View(
-        metric=metric,
-        normalized=metric in RETURNS if query.normalized is None else query.normalized,
-        band=query.band,
-        x=query.x,
-        max_points=min(query.max_points, max(2, MAX_TOTAL_POINTS // max(1, lines))),
-    )
-    return compare(runs, entries, view, store.random_returns(), best_return)
+    _refuse_metric(store, sweep, view)
+    runs = store.curve_points(sweep.id, view.metric, view.x, run)
+    return compare(runs, Entries(sweep.request), view, store.random_returns(), best_return)
+
+
+def _refuse_metric(store: Store, sweep: Sweep, view: View) -> None:
+    if view.metric in RETURNS:
+        return
+    if view.metric not in (known := store.diagnostic_names(sweep.id)):
+        raise InvalidRequest([unknown_name("metric", view.metric, [*sorted(RETURNS), *known])])
+    if view.normalized:
+        message = f"only returns have a normalised scale, {view.metric!r} has none"
+        raise InvalidRequest([Fault("normalized", message)])

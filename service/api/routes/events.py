@@ -7,8 +7,8 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Header, Query
 from sse_starlette import EventSourceResponse, ServerSentEvent
 
+from service.api.context import TheEventFeed, TheSweep
 from service.api.event_feed import Message
-from service.api.routes.context import TheEventFeed, TheSweep
 
 router = APIRouter(tags=["events"])
 

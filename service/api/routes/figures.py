@@ -4,18 +4,20 @@ They are drawn in a process beside the service: a figure of many panels takes se
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Response
 
 from service.analysis.comparison import Comparison
 from service.analysis.figures.figure_form import MEDIA_TYPES, Form
-from service.analysis.figures.paper_figure import MAX_CURVES, PAPER, RETURNS, Number
-from service.api.problems import Busy, Fault, ImpossibleMove, InvalidRequest, NotFound
-from service.api.routes.context import TheCheckpoints, TheSide, TheStore, TheSweep
+from service.analysis.figures.paper_figure import MAX_CURVES, PAPER, FigureNumber
+from service.api.context import TheCheckpoints, TheSide, TheStore, TheSweep
+from service.api.problems import Fault, ImpossibleMove, InvalidRequest, NotFound, ServiceBusy
+from service.api.revalidation import RevalidatedRoute
 from service.api.routes.curves import BandQuery, compared
-from service.api.routes.revalidation import RevalidatedRoute
 from service.api.side_process import BusyError, Side, TooSlowError
+from service.model.run_curve import RETURNS
 from workers.checkpoints.folder import UnavailableError
 from workers.checkpoints.place import Place
 from workers.checkpoints.sealed_file import DamagedError
@@ -36,7 +38,7 @@ def get_plot(
     side: TheSide,
 ) -> Response:
     """Draw every curve of this sweep: return_mean above return_history, a column a task."""
-    rows = [compared(store, sweep, query, metric) for metric in RETURNS]
+    rows = [compared(store, sweep, query.view(metric)) for metric in RETURNS]
     _refuse_more_curves(rows, MAX_CURVES)
     title = f"{sweep.name} ({sweep.id})"
     return _drawn(side, "service.analysis.figures.plot:draw", title, rows, form)
@@ -45,7 +47,7 @@ def get_plot(
 @router.get("/figures/{number}.{form}", response_class=Response, responses=ANSWERS)
 def get_figure(
     sweep: TheSweep,
-    number: Number,
+    number: FigureNumber,
     form: Form,
     store: TheStore,
     checkpoints: TheCheckpoints,
@@ -59,10 +61,14 @@ def get_figure(
     task, mean and standard deviation.
     """
     figure = PAPER[number]
-    query = BandQuery(normalized=figure.normalized)
+    views = [BandQuery(normalized=figure.normalized).view(metric) for metric in figure.metrics]
     rows = [
-        compared(store, sweep, query, metric, figure.algorithms, figure.environment)
-        for metric in figure.metrics
+        compared(
+            store,
+            sweep,
+            replace(view, algorithms=figure.algorithms, environment=figure.environment),
+        )
+        for view in views
     ]
     if not rows[0].panels:
         where = f" on {figure.environment}" if figure.environment else ""
@@ -88,13 +94,13 @@ def _refuse_more_curves(rows: Sequence[Comparison], most: int) -> None:
 def _drawn(
     side: Side, draw: str, title: str, rows: Sequence[Comparison], form: Form, *policies: Place
 ) -> Response:
-    """Draw. Raises ImpossibleMove for damaged files, Busy."""
+    """Draw. Raises ImpossibleMove for damaged files, ServiceBusy."""
     try:
         picture = side.call(draw, title, rows, form, *policies)
     except UnavailableError as trouble:
-        raise Busy(f"What runs learned cannot be read now: {trouble.strerror}.") from trouble
+        raise ServiceBusy(f"What runs learned cannot be read now: {trouble.strerror}.") from trouble
     except DamagedError as damage:
         raise ImpossibleMove(f"What a run has learned cannot be read: {damage}.") from damage
     except (BusyError, TooSlowError, EOFError) as error:
-        raise Busy(f"The figure could not be drawn: {error}.") from error
+        raise ServiceBusy(f"The figure could not be drawn: {error}.") from error
     return Response(picture, media_type=MEDIA_TYPES[form])

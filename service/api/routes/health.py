@@ -1,11 +1,16 @@
-"""Is the process there; can it work."""
+"""Is the process there; can it work; and how, as metrics for Prometheus.
+
+For metrics the token is asked for, as everywhere.
+"""
 
 from fastapi import APIRouter, Response
+from prometheus_client import CONTENT_TYPE_LATEST, CollectorRegistry, generate_latest
 from pydantic import BaseModel, Field
 from sqlalchemy.exc import SQLAlchemyError
 
-from service.api.routes.context import TheDispatcher, TheStore
+from service.api.context import TheEventFeed, TheStore, TheWorkforce
 from service.api.schemas.readiness_answer import CheckAnswer, ReadinessAnswer
+from service.metrics import REGISTRY, PresentState
 from service.store.store import Store
 from service.store.upkeep.trouble import explain
 
@@ -25,9 +30,9 @@ async def healthz() -> HealthAnswer:
 
 
 @router.get("/readyz", responses={503: {"model": ReadinessAnswer}})
-def readyz(response: Response, store: TheStore, dispatcher: TheDispatcher) -> ReadinessAnswer:
+def readyz(response: Response, store: TheStore, workforce: TheWorkforce) -> ReadinessAnswer:
     """Say whether the database answers and the cluster takes runs, and if not, why."""
-    problems = {"database": _database_problem(store), "cluster": dispatcher.problem}
+    problems = {"database": _database_problem(store), "cluster": workforce.problem}
     is_ready = not any(problems.values())
     response.status_code = 200 if is_ready else 503
     return ReadinessAnswer(
@@ -37,6 +42,21 @@ def readyz(response: Response, store: TheStore, dispatcher: TheDispatcher) -> Re
             for name, problem in problems.items()
         ],
     )
+
+
+@router.get(
+    "/metrics",
+    response_class=Response,
+    responses={200: {"content": {"text/plain": {"example": 'd3pg_runs{status="queued"} 16.0\n'}}}},
+)
+def get_metrics_of_service(
+    store: TheStore, workforce: TheWorkforce, feed: TheEventFeed
+) -> Response:
+    """Answer queue, workers, latencies and traffic in Prometheus' text format."""
+    present = CollectorRegistry()
+    present.register(PresentState(store, workforce.workers, feed.listeners))
+    text = generate_latest(present) + generate_latest(REGISTRY)
+    return Response(text, media_type=CONTENT_TYPE_LATEST)
 
 
 def _database_problem(store: Store) -> str | None:

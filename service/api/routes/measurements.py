@@ -4,8 +4,8 @@ from typing import Annotated, Literal
 
 from fastapi import APIRouter, Query, Request, Response
 
-from service.api.routes.context import TheRun, TheStore
-from service.api.routes.negotiation import asked_form
+from service.api.context import TheRun, TheStore
+from service.api.negotiation import asked_form
 from service.api.schemas.measurements_answer import (
     MeasurementsAnswer,
     measurements_csv,

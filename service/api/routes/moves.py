@@ -10,8 +10,8 @@ from typing import TypeVar
 
 from fastapi import APIRouter
 
+from service.api.context import TheLabel, TheRun, TheStore, TheSweep
 from service.api.problems import ImpossibleMove
-from service.api.routes.context import TheLabel, TheRun, TheStore, TheSweep
 from service.api.schemas.run_answer import RunAnswer
 from service.api.schemas.sweep_answer import SweepAnswer
 from service.model.move import TRANSITIONS, Move

@@ -5,9 +5,7 @@ new version is another address. A page names every module that its script import
 not, so that the browser asks for them all at once and not one import after the other.
 """
 
-import hashlib
-import re
-from functools import lru_cache
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 
@@ -17,9 +15,9 @@ from fastapi.staticfiles import StaticFiles
 from fastapi.templating import Jinja2Templates
 from starlette.types import Scope
 
+from service.api.static_files import StaticFolder
+
 WEB = Path(str(files("web")))
-STATIC = WEB / "static"
-IMPORT = re.compile(r'from "\./(\w+\.js)"')
 FOR_GOOD = "public, max-age=31536000, immutable"
 
 router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
@@ -29,10 +27,15 @@ templates = Jinja2Templates(WEB / "templates")
 class VersionedFiles(StaticFiles):
     """Static files under `/{version}/`."""
 
+    def __init__(self, static: StaticFolder) -> None:
+        """Serve a folder."""
+        super().__init__(directory=static.folder)
+        self.version = static.version
+
     async def get_response(self, path: str, scope: Scope) -> Response:
         """Answer a file; for good under the present version, else to be checked each time."""
         response = await super().get_response(path, scope)
-        is_present = scope["path_params"]["version"] == static_version()
+        is_present = scope["path_params"]["version"] == self.version
         response.headers["Cache-Control"] = FOR_GOOD if is_present else "no-cache"
         return response
 
@@ -40,7 +43,7 @@ class VersionedFiles(StaticFiles):
 def add_pages(app: FastAPI) -> None:
     """Serve the pages, and under `/static` what they are made of."""
     app.include_router(router)
-    app.mount("/static/{version}", VersionedFiles(directory=STATIC), name="static")
+    app.mount("/static/{version}", VersionedFiles(static()), name="static")
 
 
 @router.get("/")
@@ -52,7 +55,7 @@ def sweeps_page(request: Request) -> HTMLResponse:
 @router.get("/favicon.ico")
 def favicon() -> RedirectResponse:
     """Answer browsers that ask by themselves, as on the API's own pages."""
-    return RedirectResponse(f"/static/{static_version()}/favicon.svg")
+    return RedirectResponse(f"/static/{static().version}/favicon.svg")
 
 
 @router.get("/sweeps/{sweep_id}")
@@ -87,28 +90,16 @@ def catalogue_page(request: Request) -> HTMLResponse:
 
 def page(request: Request, name: str, **values: str) -> HTMLResponse:
     """Return the page of a template, which starts the script of the same name."""
-    version = static_version()
     context = {
         "page": name,
-        "static": f"/static/{version}",
-        "modules": modules(f"{name}.js", version),
+        "static": f"/static/{static().version}",
+        "modules": static().modules(f"pages/{name}.js"),
         **values,
     }
     return templates.TemplateResponse(request, f"{name}.html", context)
 
 
-def static_version() -> str:
-    """Return a text that changes when a static file does."""
-    found = sorted(STATIC.rglob("*"))
-    stamps = [(str(path), path.stat().st_mtime_ns, path.stat().st_size) for path in found]
-    return hashlib.sha256(repr(stamps).encode()).hexdigest()[:12]
-
-
-@lru_cache(maxsize=64)
-def modules(script: str, version: str) -> tuple[str, ...]:  # noqa: ARG001 - a key of the cache
-    """Return a script and all modules that it imports, the nearest first."""
-    found = [script]
-    for name in found:
-        imported = IMPORT.findall((STATIC / name).read_text(encoding="utf-8"))
-        found += [each for each in dict.fromkeys(imported) if each not in found]
-    return tuple(found)
+@cache
+def static() -> StaticFolder:
+    """Return the static files, read at the first call."""
+    return StaticFolder(WEB / "static")

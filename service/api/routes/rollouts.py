@@ -5,8 +5,8 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query, Response
 
-from service.api.problems import Busy, Fault, ImpossibleMove, InvalidRequest
-from service.api.routes.context import TheCheckpoints, TheRun, TheSide, TheStore, find_run
+from service.api.context import TheCheckpoints, TheRun, TheSide, TheStore, find_run
+from service.api.problems import Fault, ImpossibleMove, InvalidRequest, ServiceBusy
 from service.api.schemas.rollout_answer import RolloutAnswer, RolloutQuery, RolloutRequest
 from service.api.side_process import BusyError, Side, TooSlowError
 from service.model.environment import environment_facts
@@ -49,13 +49,13 @@ def _played(run: Run, start: list[float] | int, checkpoints: Place, side: Side) 
     except StartError as refusal:
         raise InvalidRequest([Fault("start", str(refusal))]) from refusal
     except UnavailableError as trouble:
-        raise Busy(
+        raise ServiceBusy(
             f"What run {run.id} learned cannot be read now: {trouble.strerror}."
         ) from trouble
     except DamagedError as damage:
         raise ImpossibleMove(f"What run {run.id} learned cannot be read: {damage}.") from damage
     except (BusyError, TooSlowError, EOFError) as error:
-        raise Busy(f"The episode could not be played: {error}.") from error
+        raise ServiceBusy(f"The episode could not be played: {error}.") from error
     if answer is None:
         raise ImpossibleMove(
             f"Run {run.id} ({run.status}) has no policy: one is written with every checkpoint and "

@@ -7,7 +7,7 @@ import structlog
 from fastapi import APIRouter, Query, Request, Response
 from pydantic import Field
 
-from service.api.routes.context import TheCheckpoints, TheLabel, TheRun, TheStore, TheSweep
+from service.api.context import TheCheckpoints, TheLabel, TheRun, TheStore, TheSweep
 from service.api.schemas.number import numbers
 from service.api.schemas.page import Page, PageQuery, page_of, read_cursor
 from service.api.schemas.run_answer import AttemptAnswer, ListedRunAnswer, RunAnswer

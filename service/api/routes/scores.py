@@ -13,10 +13,10 @@ from service.analysis.statistics.score_table import ScoreTable, score_table
 from service.analysis.statistics.score_table_text import latex, markdown
 from service.analysis.statistics.scores import CellScores, sweep_scores
 from service.analysis.statistics.sweep_statistics import sweep_statistics
+from service.api.context import TheStore, TheSweep
+from service.api.negotiation import asked_form
 from service.api.problems import Fault, InvalidRequest
-from service.api.routes.context import TheStore, TheSweep
-from service.api.routes.negotiation import asked_form
-from service.api.routes.revalidation import RevalidatedRoute
+from service.api.revalidation import RevalidatedRoute
 from service.api.schemas.score_table_answer import ScoreTableAnswer, score_table_csv
 from service.api.schemas.statistics_answer import StatisticsAnswer
 from service.model.entry import Entries

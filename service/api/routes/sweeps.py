@@ -7,8 +7,8 @@ from fastapi import APIRouter, Header, Query, Request, Response
 from fastapi.responses import JSONResponse
 
 from service.analysis.cost import cell_costs
+from service.api.context import TheStore, TheSweep, TheWorkerMemory, TheWorkforce
 from service.api.problems import Fault, InvalidRequest
-from service.api.routes.context import TheDispatcher, TheStore, TheSweep, TheWorkerMemory
 from service.api.schemas.page import Page, PageQuery, page_of, read_cursor
 from service.api.schemas.sweep_answer import DryRunAnswer, SweepAnswer
 from service.api.schemas.sweep_request import SweepRequest
@@ -38,7 +38,7 @@ def submit_sweep(
     request: SweepRequest,
     response: Response,
     store: TheStore,
-    dispatcher: TheDispatcher,
+    workforce: TheWorkforce,
     worker_memory: TheWorkerMemory,
     dry_run: Annotated[
         bool, Query(description="Only say what would be queued, and about what it would cost.")
@@ -54,7 +54,7 @@ def submit_sweep(
     if dry_run:
         past = store.past_costs(planned.algorithms, planned.environment_versions)
         costs = cell_costs(planned.cells, len(planned.seeds), past)
-        answer = DryRunAnswer.of(planned, costs, len(dispatcher.workers))
+        answer = DryRunAnswer.of(planned, costs, len(workforce.workers))
         return JSONResponse(answer.model_dump(mode="json"))
     try:
         sweep = store.create_sweep(

@@ -143,7 +143,7 @@ def _curve(one: LabelledCurve, with_seeds: bool) -> Mapping[str, Any]:
     curve = one.curve
     document = {
         "algorithm": one.spec.algorithm,
-        "weights": {"w1": one.spec.weights[0], "w2": one.spec.weights[1]},
+        "weights": one.spec.weights._asdict(),
         "config": dict(one.spec.config),
         "label": one.label,
         "runs": len(one.seeds),

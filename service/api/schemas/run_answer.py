@@ -7,9 +7,12 @@ from typing import Any, Self
 from pydantic import BaseModel, ConfigDict, Field
 
 from service.api.schemas.number import Numbers
+from service.model.move import TRANSITIONS
 from service.model.run import Attempt, Run, RunStatus
+from workers.messages.run_spec import Weights
 
-MOVES = ("cancel", "pause", "resume", "retry")
+MOVES: tuple[str, ...] = tuple(TRANSITIONS)
+STARTING = "its kernels are loaded, or compiled at first use"
 
 
 class WeightsAnswer(BaseModel):
@@ -17,6 +20,16 @@ class WeightsAnswer(BaseModel):
 
     w1: float
     w2: float
+
+    @classmethod
+    def of(cls, weights: Weights) -> Self:
+        """Show weights."""
+        return cls(**weights._asdict())
+
+    @property
+    def pair(self) -> Weights:
+        """The weights that are shown."""
+        return Weights(self.w1, self.w2)
 
 
 class RunAnswer(BaseModel):
@@ -83,42 +96,36 @@ class RunAnswer(BaseModel):
     memory_bytes: int | None = Field(description="What it may come to fill in its worker.")
     links: dict[str, str]
 
+    @property
+    def is_starting(self) -> bool:
+        """Whether its worker still loads or compiles its kernels: nothing was trained yet."""
+        begun_at = self.timestep if self.resumed_timestep is None else self.resumed_timestep
+        return self.status is RunStatus.RUNNING and self.timestep <= begun_at
+
+    @property
+    def remark(self) -> str:
+        """Its reason; while it is starting, that it is."""
+        return self.reason or (STARTING if self.is_starting else "")
+
     @classmethod
     def of(cls, run: Run, label: str) -> Self:
         """Show a run of the entry of that name."""
-        spec = run.spec
         link = f"/api/v1/runs/{run.id}"
-        return cls(
-            id=run.id,
-            sweep_id=run.sweep_id,
-            label=label,
-            algorithm=spec.algorithm,
-            environment=spec.environment,
-            environment_version=run.environment_version,
-            seed=spec.seed,
-            weights=WeightsAnswer(w1=spec.weights[0], w2=spec.weights[1]),
-            config=spec.config,
-            timesteps=spec.timesteps,
-            timestep=run.timestep,
-            status=run.status,
-            is_cancelling=run.is_cancelling,
-            reason=run.reason,
-            attempt=run.attempt,
-            created_at=as_time(run.created_at),
-            started_at=None if run.started_at is None else as_time(run.started_at),
-            finished_at=None if run.finished_at is None else as_time(run.finished_at),
-            fingerprint=run.fingerprint,
-            resumed_timestep=run.resumed_timestep,
-            checkpoint_timestep=run.checkpoint_timestep,
-            memory_bytes=run.memory_bytes,
-            links={
-                "self": link,
-                "sweep": f"/api/v1/sweeps/{run.sweep_id}",
-                "measurements": f"{link}/measurements",
-                "attempts": f"{link}/attempts",
-                **{move: f"{link}/{move}" for move in MOVES},
-            },
-        )
+        links = {
+            "self": link,
+            "sweep": f"/api/v1/sweeps/{run.sweep_id}",
+            "measurements": f"{link}/measurements",
+            "attempts": f"{link}/attempts",
+            **{move: f"{link}/{move}" for move in MOVES},
+        }
+        shown: dict[str, Any] = {
+            **run.spec.to_json(),
+            **vars(run),
+            **times(run),
+            "label": label,
+            "links": links,
+        }
+        return cls.model_validate(shown)
 
 
 class ListedRunAnswer(RunAnswer):
@@ -167,18 +174,13 @@ class AttemptAnswer(BaseModel):
     @classmethod
     def of(cls, attempt: Attempt) -> Self:
         """Show an attempt."""
-        return cls(
-            attempt=attempt.attempt,
-            worker=attempt.worker,
-            outcome=attempt.outcome,
-            error=attempt.error,
-            log_tail=attempt.log_tail,
-            started_at=as_time(attempt.started_at),
-            ended_at=None if attempt.ended_at is None else as_time(attempt.ended_at),
-            fingerprint=attempt.fingerprint,
-            resumed_timestep=attempt.resumed_timestep,
-            note=attempt.note,
-        )
+        return cls.model_validate({**vars(attempt), **times(attempt)})
+
+
+def times(noun: Run | Attempt) -> dict[str, datetime | None]:
+    """Return the times of a noun, by the names of their fields."""
+    told = {name: value for name, value in vars(noun).items() if name.endswith("_at")}
+    return {name: None if value is None else as_time(value) for name, value in told.items()}
 
 
 def as_time(seconds: float) -> datetime:

@@ -139,7 +139,7 @@ def _entry(standing: Standing | None) -> StandingAnswer | None:
     spec, sample = standing.spec, standing.sample
     return StandingAnswer(
         algorithm=spec.algorithm,
-        weights=WeightsAnswer(w1=spec.weights[0], w2=spec.weights[1]),
+        weights=WeightsAnswer.of(spec.weights),
         config=dict(spec.config),
         timesteps=spec.timesteps,
         runs=standing.runs,
@@ -157,8 +157,7 @@ def _cells(standing: Standing) -> Mapping[str, object]:
     spec, numbers = standing.spec, asdict(standing.sample)
     return {
         "algorithm": inert(spec.algorithm),
-        "w1": spec.weights[0],
-        "w2": spec.weights[1],
+        **spec.weights._asdict(),
         "config": inert(json.dumps(spec.config, sort_keys=True)),
         "timesteps": spec.timesteps,
         "runs": standing.runs,

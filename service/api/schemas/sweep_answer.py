@@ -140,7 +140,7 @@ class DryRunAnswer(BaseModel):
                 label=label,
                 algorithm=cell.algorithm,
                 environment=cell.environment,
-                weights=WeightsAnswer(w1=cell.weights[0], w2=cell.weights[1]),
+                weights=WeightsAnswer.of(cell.weights),
                 config=dict(cell.config),
                 timesteps=cell.timesteps,
                 seeds=len(plan.seeds),

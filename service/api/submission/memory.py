@@ -1,6 +1,7 @@
 """Runs that no worker has the memory for."""
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 from service.api.problems import Fault
 from service.model.entry import Entry
@@ -13,12 +14,12 @@ SETTING = "D3PG_WORKER_MEMORY"
 def memory_faults(cells: Iterable[tuple[Entry, RunSpec]], worker_memory: int) -> Iterator[Fault]:
     """Refuse cells, each with its entry, of which not one run fits a worker."""
     for entry, cell in cells:
-        needed = memory_of(cell.cell)
+        needed = memory_of(cell)
         if needed <= worker_memory:
             continue
         what = f"a run of {cell.algorithm} on {cell.environment} comes to fill {_text(needed)}"
         limit = f"the runs of a worker may fill {_text(worker_memory)} ({SETTING})"
-        a_step = memory_of(cell.cell._replace(timesteps=1))
+        a_step = memory_of(replace(cell, timesteps=1))
         if a_step < needed:  # it grows with the timesteps
             most = worker_memory // a_step
             advice = f"ask for at most {most:,} timesteps, or set its replay_size to no more"

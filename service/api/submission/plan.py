@@ -11,7 +11,7 @@ from service.api.submission.memory import memory_faults
 from service.api.submission.same_curve import notices, repetition_faults
 from service.model.entry import Entries, Entry
 from service.model.plan import Plan
-from workers.messages.run_spec import RunSpec
+from workers.messages.run_spec import RunSpec, Weights
 
 
 def plan(request: SweepRequest, worker_memory: int) -> Plan:
@@ -50,7 +50,7 @@ def _spec(entry: Entry, environment: str, request: SweepRequest, seed: int) -> R
         algorithm=entry.algorithm,
         environment=environment,
         seed=seed,
-        weights=usual.weights if entry.weights is None else entry.weights,
+        weights=Weights(*usual.weights) if entry.weights is None else entry.weights,
         timesteps=_scaled(request.timesteps or usual.timesteps, request.scale),
         config=completed(entry.algorithm, environment, entry.config),
     )

@@ -12,9 +12,7 @@ from typing import Any, NamedTuple
 from algorithms import catalogue
 from service.api.problems import Fault
 from service.model.entry import Entry, setting_text
-from workers.messages.run_spec import RunSpec
-
-NO_GRADIENT = (0.0, 0.0)
+from workers.messages.run_spec import NO_WEIGHTS, RunSpec, Weights
 
 Cells = Iterable[tuple[Entry, RunSpec]]
 
@@ -24,7 +22,7 @@ class _Curve(NamedTuple):
 
     algorithm: str
     environment: str
-    weights: tuple[float, float]
+    weights: Weights
     timesteps: int
     settings: tuple[Hashable, ...]
 
@@ -51,7 +49,7 @@ def notices(cells: Cells) -> list[str]:
             continue
         bare = _without_gradient(curve)
         alike.setdefault(bare, []).append(entry)
-        if catalogue.find(spec.algorithm).uses_weights and spec.weights == NO_GRADIENT:
+        if catalogue.find(spec.algorithm).uses_weights and spec.weights == NO_WEIGHTS:
             hybrids.append((entry, spec, bare))
     told: dict[tuple[str, str, tuple[str, ...]], list[str]] = {}
     for entry, spec, bare in hybrids:
@@ -75,7 +73,7 @@ def _hashable(value: Any) -> Hashable:
 
 
 def _without_gradient(curve: _Curve) -> _Curve:
-    if curve.weights != NO_GRADIENT:
+    if curve.weights != NO_WEIGHTS:
         return curve
     return curve._replace(algorithm=catalogue.baseline(curve.algorithm) or curve.algorithm)
 
@@ -95,7 +93,7 @@ def _described(spec: RunSpec, stated: Iterable[str]) -> str:
     """`hybrid-ddpg with w1=1, w2=0, noise=0.2`: settings that are stated or the preset's."""
     algorithm = catalogue.find(spec.algorithm)
     settings = asdict(algorithm.config_class()(**spec.config))
-    pair = dict(zip(("w1", "w2"), spec.weights, strict=True)) if algorithm.uses_weights else {}
+    pair = spec.weights._asdict() if algorithm.uses_weights else {}
     names = sorted({*spec.config, *stated})
     told = {**pair, **{name: settings[name] for name in names}}
     text = ", ".join(f"{name}={setting_text(value)}" for name, value in told.items())

@@ -13,9 +13,9 @@ from typing import Any
 from sqlalchemy import Connection, Row, delete, select, update
 
 from service.model.run import FINAL, RunStatus
+from service.model.run_name import RunName
 from service.store.claiming.claims import of_attempt, of_run, told
 from service.store.reading import events
-from service.store.reading.runs import ordinal_of, run_name
 from service.store.tables import attempts, measurements, runs, sweeps
 from workers.messages.progress import CheckpointAttempt, Progress, Resumption
 
@@ -149,18 +149,18 @@ def of_ended(connection: Connection, limit: int) -> list[str]:
         .where(runs.c.may_have_files, runs.c.status.in_(FINAL))
         .limit(limit)
     )
-    return [run_name(sweep_id, ordinal) for sweep_id, ordinal in connection.execute(query)]
+    return [str(RunName(*row)) for row in connection.execute(query)]
 
 
 def forget(connection: Connection, run_ids: Sequence[str]) -> None:
     """Note that these runs have no files of checkpoints, unless they were tried again meanwhile."""
-    for run_id in run_ids:
-        number = select(sweeps.c.number).where(sweeps.c.id == run_id.partition("-")[0])
+    for name in map(RunName.parse, run_ids):
+        number = select(sweeps.c.number).where(sweeps.c.id == name.sweep_id)
         connection.execute(
             update(runs)
             .where(
                 runs.c.sweep_number == number.scalar_subquery(),
-                runs.c.ordinal == ordinal_of(run_id),
+                runs.c.ordinal == name.ordinal,
                 runs.c.status.in_(FINAL),
             )
             .values(checkpoint_timestep=0, may_have_files=False)

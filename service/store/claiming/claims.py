@@ -22,13 +22,15 @@ from sqlalchemy import (
     update,
 )
 
-from service.model.claim import CellLimit, Claim, ClaimedRun
+from service.model.claim import CellLimit, Claim
 from service.model.run import RunStatus
+from service.model.run_name import RunName
 from service.store.claiming.turns import Turns, is_waiting
 from service.store.column_types import now
 from service.store.reading import events
-from service.store.reading.runs import run_name, spec_of
+from service.store.reading.runs import spec_of
 from service.store.tables import attempts, is_queued, is_running, runs, sweeps
+from workers.messages.assignment import Assignment
 
 Taken = Sequence[Row[Any]]
 """Runs of one cell whose attempts have just begun, in the order of their sweep."""
@@ -64,7 +66,7 @@ def claim_all(
 
 def _claim(turns: Turns, worker: str, lease_seconds: float, rows: Taken) -> Claim:
     claimed = (
-        ClaimedRun(turns.run_name(row), row.attempt, spec_of(row), row.environment_version)
+        Assignment(str(turns.run_name(row)), row.attempt, spec_of(row), row.environment_version)
         for row in rows
     )
     return Claim(worker, lease_seconds, tuple(claimed))
@@ -159,14 +161,14 @@ def held_runs(connection: Connection, held: Sequence[Claim]) -> list[dict[str, R
     """Return, for each claim, the rows of its runs that are still its own, by name."""
     ordinals: dict[str, list[int]] = {}
     for run in chain.from_iterable(claim.runs for claim in held):
-        sweep_id, _, ordinal = run.run_id.partition("-")
-        ordinals.setdefault(sweep_id, []).append(int(ordinal))
+        name = RunName.parse(run.run_id)
+        ordinals.setdefault(name.sweep_id, []).append(name.ordinal)
     found: dict[str, Row[Any]] = {}
     for sweep_id, wanted in ordinals.items():
         rows = connection.execute(
             held_rows().where(sweeps.c.id == sweep_id, runs.c.ordinal.in_(wanted), is_running)
         )
-        found.update({run_name(sweep_id, row.ordinal): row for row in rows})
+        found.update({str(RunName(sweep_id, row.ordinal)): row for row in rows})
     return [
         {
             run.run_id: row
@@ -196,11 +198,11 @@ def held_rows() -> Select[Any]:
     return select(*of_run, *of_sweep).join(sweeps, sweeps.c.number == runs.c.sweep_number)
 
 
-def told(row: Row[Any], status: RunStatus, reason: str, timestep: int) -> events.Entry:
+def told(row: Row[Any], status: RunStatus, reason: str, timestep: int) -> events.Change:
     """Return the entry of a held run's new status or reason."""
     return events.run_changed(
         row.sweep_number,
-        run_name(row.sweep_id, row.ordinal),
+        RunName(row.sweep_id, row.ordinal),
         status=status,
         reason=reason,
         attempt=row.attempt,

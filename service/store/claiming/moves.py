@@ -6,9 +6,9 @@ from sqlalchemy import ColumnElement, Connection, select, update
 
 from service.model.move import TRANSITIONS, Move
 from service.model.run import RunStatus
+from service.model.run_name import RunName
 from service.store.column_types import now
 from service.store.reading import events
-from service.store.reading.runs import run_name
 from service.store.tables import is_running, runs, sweeps
 
 
@@ -58,7 +58,7 @@ def _update(connection: Connection, condition: ColumnElement[bool], values: dict
         [
             events.run_changed(
                 row.sweep_number,
-                run_name(names[row.sweep_number], row.ordinal),
+                RunName(names[row.sweep_number], row.ordinal),
                 status=values["status"],
                 reason=values["reason"],
                 attempt=row.attempt,

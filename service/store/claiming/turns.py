@@ -10,8 +10,8 @@ from typing import Any
 
 from sqlalchemy import Connection, Row, func, select
 
+from service.model.run_name import RunName
 from service.store.column_types import now
-from service.store.reading.runs import run_name
 from service.store.tables import is_queued, is_running, runs, sweeps
 
 is_waiting = is_queued & (runs.c.not_before <= now())
@@ -47,6 +47,6 @@ class Turns:
         if taken:
             heapq.heappush(self._order, (urgency, running + taken, math.inf, number))
 
-    def run_name(self, row: Row[Any]) -> str:
+    def run_name(self, row: Row[Any]) -> RunName:
         """Return the name of a run of one of these sweeps."""
-        return run_name(self._names[row.sweep_number], row.ordinal)
+        return RunName(self._names[row.sweep_number], row.ordinal)

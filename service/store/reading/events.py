@@ -8,15 +8,17 @@ from sqlalchemy import Connection, func, select
 
 from service.model.event import Event
 from service.model.run import RunStatus
+from service.model.run_name import RunName
 from service.store.column_types import now
+from service.store.reading.rows import noun_of
 from service.store.tables import events, sweeps
 from service.store.upkeep.copy_in import copy_in
 
-Entry = Mapping[str, Any]
+Change = Mapping[str, Any]
 COLUMNS = ("sweep_number", "kind", "payload", "created_at")
 
 
-def sweep_changed(sweep_number: int, sweep_id: str, change: str) -> Entry:
+def sweep_changed(sweep_number: int, sweep_id: str, change: str) -> Change:
     """Return the entry for a sweep that was created, cancelled, paused, resumed or retried."""
     payload = {"sweep_id": sweep_id, "change": change}
     return {"sweep_number": sweep_number, "kind": "sweep", "payload": payload}
@@ -24,17 +26,17 @@ def sweep_changed(sweep_number: int, sweep_id: str, change: str) -> Entry:
 
 def run_changed(
     sweep_number: int,
-    run_id: str,
+    run: RunName,
     *,
     status: RunStatus,
     reason: str,
     attempt: int,
     timestep: int,
-) -> Entry:
+) -> Change:
     """Return the entry for a run whose status or reason changed."""
     payload = {
-        "sweep_id": run_id.partition("-")[0],
-        "run_id": run_id,
+        "sweep_id": run.sweep_id,
+        "run_id": str(run),
         "status": status.value,
         "reason": reason,
         "attempt": attempt,
@@ -43,14 +45,13 @@ def run_changed(
     return {"sweep_number": sweep_number, "kind": "run", "payload": payload}
 
 
-def measured(sweep_number: int, run_id: str, first: int, last: int) -> Entry:
+def measured(sweep_number: int, run: RunName, first: int, last: int) -> Change:
     """Return the entry for new measurements of a run, from one timestep to another, inclusive."""
-    sweep_id = run_id.partition("-")[0]
-    payload = {"sweep_id": sweep_id, "run_id": run_id, "from": first, "to": last}
+    payload = {"sweep_id": run.sweep_id, "run_id": str(run), "from": first, "to": last}
     return {"sweep_number": sweep_number, "kind": "measurements", "payload": payload}
 
 
-def append(connection: Connection, entries: Sequence[Entry]) -> None:
+def append(connection: Connection, entries: Sequence[Change]) -> None:
     """Append entries in their order; straight through the driver, which costs the least."""
     if not entries:
         return
@@ -81,10 +82,7 @@ def after(
     if sweep_id is not None:
         number = select(sweeps.c.number).where(sweeps.c.id == sweep_id).scalar_subquery()
         query = query.where(events.c.sweep_number == number)
-    return [
-        Event(row.id, row.sweep_id, row.kind, row.payload, row.created_at)
-        for row in connection.execute(query)
-    ]
+    return [noun_of(Event, row) for row in connection.execute(query)]
 
 
 def last_id(connection: Connection) -> int:

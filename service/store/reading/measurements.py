@@ -10,14 +10,15 @@ from sqlalchemy import Column, Connection, Row, Select, false, func, or_, select
 
 from algorithms.measurement import Measurement
 from service.model.run import RunStatus
-from service.model.run_curve import RunCurve
+from service.model.run_curve import RETURNS, RunCurve
+from service.model.run_name import RunName
 from service.store.reading import diagnostics
-from service.store.reading.runs import named, run_name, spec_of
+from service.store.reading.rows import noun_of
+from service.store.reading.runs import named, spec_of
 from service.store.tables import measurements, runs, sweeps
 from service.store.upkeep.copy_in import copy_in
 
 COLUMNS = tuple(column.name for column in measurements.columns)
-METRICS = ("return_mean", "return_history")
 ABSCISSAE: Mapping[str, Column[Any]] = {
     "timesteps": measurements.c.timestep,
     "updates": measurements.c.updates,
@@ -117,16 +118,10 @@ def of_run(connection: Connection, run_id: str) -> list[Measurement]:
     )
     names = diagnostics.sets(connection)
     return [
-        Measurement(
-            seed=row.seed,
-            timestep=row.timestep,
-            return_mean=row.return_mean,
-            return_history=row.return_history,
-            updates=row.updates,
-            jacobians=row.jacobians,
-            seconds=row.seconds,
+        noun_of(
+            Measurement,
+            row,
             diagnostics=diagnostics.unpack(names[row.diagnostic_set], row.diagnostics),
-            compile_seconds=row.compile_seconds,
         )
         for row in connection.execute(query)
     ]
@@ -135,7 +130,7 @@ def of_run(connection: Connection, run_id: str) -> list[Measurement]:
 def outlines(connection: Connection, run_ids: Sequence[str], points: int) -> dict[str, list[float]]:
     """Return about so many return_mean of each run, evenly spaced and the latest one last."""
     ids = {
-        row.number: run_name(row.id, row.ordinal)
+        row.number: str(RunName(row.id, row.ordinal))
         for row in connection.execute(
             select(runs.c.number, runs.c.ordinal, sweeps.c.id)
             .join(sweeps, sweeps.c.number == runs.c.sweep_number)
@@ -211,7 +206,7 @@ def _points(
         )  # not joined: then nothing is sorted
         .order_by(measurements.c.run_number, measurements.c.timestep)
     )
-    if metric in METRICS:
+    if metric in RETURNS:
         rows = _driver_rows(connection, query.add_columns(measurements.c[metric]))
         points = np.array(rows, np.float64).reshape(-1, 3)  # NULL comes as None, read as NaN
         return points[:, 0].astype(np.int64), points[:, 1], points[:, 2]
@@ -237,11 +232,5 @@ def _driver_rows(connection: Connection, query: Select[Any]) -> list[tuple[Any, 
 def _curve(
     row: Row[Any], sweep_id: str, x: NDArray[np.float64], values: NDArray[np.float64]
 ) -> RunCurve:
-    return RunCurve(
-        run_id=run_name(sweep_id, row.ordinal),
-        spec=spec_of(row),
-        environment_version=row.environment_version,
-        status=RunStatus(row.status),
-        x=x,
-        values=values,
-    )
+    name, status = str(RunName(sweep_id, row.ordinal)), RunStatus(row.status)
+    return noun_of(RunCurve, row, run_id=name, spec=spec_of(row), status=status, x=x, values=values)

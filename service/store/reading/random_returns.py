@@ -1,7 +1,10 @@
 """Random returns, once per environment version."""
 
+from dataclasses import asdict
+
 from sqlalchemy import Connection, delete, func, insert, select
 
+from service.store.reading.rows import noun_of
 from service.store.tables import random_returns
 from workers.messages.random_return import RandomReturn
 
@@ -11,27 +14,13 @@ def put(connection: Connection, measured: RandomReturn) -> None:
     table = random_returns
     same = (table.c.environment == measured.environment) & (table.c.version == measured.version)
     connection.execute(delete(table).where(same))
-    connection.execute(
-        insert(table).values(
-            environment=measured.environment,
-            version=measured.version,
-            mean=measured.mean,
-            low=measured.low,
-            high=measured.high,
-            episodes=measured.episodes,
-        )
-    )
+    connection.execute(insert(table).values(asdict(measured)))
 
 
 def of_all(connection: Connection) -> dict[tuple[str, int], RandomReturn]:
     """Return every one by (environment, version)."""
     rows = connection.execute(select(random_returns))
-    return {
-        (row.environment, row.version): RandomReturn(
-            row.environment, row.version, row.mean, row.low, row.high, row.episodes
-        )
-        for row in rows
-    }
+    return {(row.environment, row.version): noun_of(RandomReturn, row) for row in rows}
 
 
 def last_measured_at(connection: Connection) -> float:

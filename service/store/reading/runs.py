@@ -5,10 +5,12 @@ from typing import Any
 from sqlalchemy import ColumnElement, Connection, Row, Select, false, func, select
 
 from service.model.run import Attempt, Run, RunStatus
+from service.model.run_name import RunName
+from service.store.reading.rows import noun_of
 from service.store.reading.run_order import AS_MADE, RunOrder
 from service.store.refusal import NotFoundError
 from service.store.tables import attempts, is_running, runs, sweeps
-from workers.messages.run_spec import RunSpec
+from workers.messages.run_spec import RunSpec, Weights
 
 
 def find(connection: Connection, run_id: str) -> Run | None:
@@ -60,21 +62,7 @@ def history(connection: Connection, run_id: str) -> list[Attempt]:
         .where(named(run_id))
         .order_by(attempts.c.attempt)
     )
-    return [
-        Attempt(
-            attempt=row.attempt,
-            worker=row.worker,
-            outcome=row.outcome,
-            error=row.error,
-            log_tail=row.log_tail,
-            started_at=row.started_at,
-            ended_at=row.ended_at,
-            fingerprint=row.fingerprint,
-            resumed_timestep=row.resumed_timestep,
-            note=row.note,
-        )
-        for row in connection.execute(query)
-    ]
+    return [noun_of(Attempt, row) for row in connection.execute(query)]
 
 
 def count(connection: Connection) -> dict[str, int]:
@@ -97,24 +85,13 @@ def cancelling(connection: Connection) -> set[str]:
         .join(sweeps, sweeps.c.number == runs.c.sweep_number)
         .where(runs.c.is_cancelling, is_running)
     )
-    return {run_name(sweep_id, ordinal) for sweep_id, ordinal in connection.execute(query)}
-
-
-def run_name(sweep_id: str, ordinal: int) -> str:
-    """Return the run's name."""
-    return f"{sweep_id}-{ordinal}"
+    return {str(RunName(*row)) for row in connection.execute(query)}
 
 
 def named(run_id: str) -> ColumnElement[bool]:
     """Return the condition that picks one run by its name; no run has a malformed name."""
-    return (sweeps.c.id == run_id.partition("-")[0]) & (runs.c.ordinal == ordinal_of(run_id))
-
-
-def ordinal_of(run_id: str) -> int:
-    """Return the run's place in its sweep; -1 for a malformed name."""
-    digits = run_id.partition("-")[2]
-    is_canonical = digits.isascii() and digits.isdigit() and digits == str(int(digits[:10]))
-    return int(digits) if is_canonical and int(digits) < 2**31 else -1
+    name = RunName.parse(run_id)
+    return (sweeps.c.id == name.sweep_id) & (runs.c.ordinal == name.ordinal)
 
 
 def _select() -> Select[Any]:
@@ -124,33 +101,16 @@ def _select() -> Select[Any]:
 
 
 def _run(row: Row[Any]) -> Run:
-    return Run(
-        id=run_name(row.sweep_id, row.ordinal),
-        sweep_id=row.sweep_id,
-        spec=spec_of(row),
-        environment_version=row.environment_version,
-        status=RunStatus(row.status),
-        reason=row.reason,
-        attempt=row.attempt,
-        timestep=row.timestep,
-        is_cancelling=row.is_cancelling,
-        created_at=row.created_at,
-        started_at=row.started_at,
-        finished_at=row.finished_at,
-        fingerprint=row.fingerprint,
-        checkpoint_timestep=row.checkpoint_timestep,
-        resumed_timestep=row.resumed_timestep,
-        memory_bytes=row.memory_bytes,
-    )
+    name = str(RunName(row.sweep_id, row.ordinal))
+    return noun_of(Run, row, id=name, spec=spec_of(row), status=RunStatus(row.status))
 
 
 def spec_of(row: Row[Any]) -> RunSpec:
     """Read the spec off a row of `runs`."""
-    return RunSpec(
-        algorithm=row.algorithm,
-        environment=row.environment,
-        seed=row.seed,
-        weights=(row.w1, row.w2),
-        timesteps=row.timesteps,
-        config=row.config,
-    )
+    return noun_of(RunSpec, row, weights=Weights(row.w1, row.w2))
+
+
+def columns_of(spec: RunSpec) -> dict[str, Any]:
+    """Write a spec as values of a row of `runs`."""
+    fields = spec.to_json()
+    return {**fields.pop("weights"), **fields}

@@ -20,6 +20,8 @@ from service.model.run import ACTIVE, RunStatus
 from service.model.sweep import RunCounts, Sweep, SweepStatus
 from service.store.column_types import now
 from service.store.reading import events, random_returns
+from service.store.reading.rows import noun_of
+from service.store.reading.runs import columns_of
 from service.store.refusal import NotFoundError, SubmissionKeyReusedError
 from service.store.tables import runs, sweeps
 from workers.messages.run_spec import RunSpec
@@ -47,36 +49,30 @@ def create(
         if earlier is not None:
             return earlier
     sweep_id = secrets.token_hex(6)
-    heading = {
-        "id": sweep_id,
-        "name": name,
-        "priority": priority,
-        "request": request,
-        "submission_key": submission_key,
-    }
-    number = connection.execute(
-        insert(sweeps).values(heading).returning(sweeps.c.number)
-    ).scalar_one()
+    heading = insert(sweeps).values(
+        id=sweep_id, name=name, priority=priority, request=request, submission_key=submission_key
+    )
+    number = connection.execute(heading.returning(sweeps.c.number)).scalar_one()
+    connection.execute(insert(runs), _rows(number, specs, environment_versions))
+    events.append(connection, [events.sweep_changed(number, sweep_id, "created")])
+    return get(connection, sweep_id)
+
+
+def _rows(
+    sweep_number: int, specs: Sequence[RunSpec], environment_versions: Mapping[str, int]
+) -> list[dict[str, Any]]:
+    """The runs of a sweep as rows, numbered in the order of the specs."""
     cells = {cell: index for index, cell in enumerate(dict.fromkeys(s.cell for s in specs))}
-    rows = [
+    return [
         {
-            "sweep_number": number,
+            "sweep_number": sweep_number,
             "ordinal": ordinal,
             "cell": cells[spec.cell],
-            "algorithm": spec.algorithm,
-            "environment": spec.environment,
             "environment_version": environment_versions[spec.environment],
-            "seed": spec.seed,
-            "w1": spec.weights[0],
-            "w2": spec.weights[1],
-            "config": spec.config,
-            "timesteps": spec.timesteps,
+            **columns_of(spec),
         }
         for ordinal, spec in enumerate(specs)
     ]
-    connection.execute(insert(runs), rows)
-    events.append(connection, [events.sweep_changed(number, sweep_id, "created")])
-    return get(connection, sweep_id)
 
 
 def _submitted(connection: Connection, key: str, request: Mapping[str, Any]) -> Sweep | None:
@@ -164,13 +160,9 @@ def _sweep(row: Row[Any]) -> Sweep:
         eta = 0.0
     elif row.started_at is not None and row.done > 0 and counts.paused == 0:
         eta = (row.clock - row.started_at) * float(row.left) / float(row.done)
-    return Sweep(
-        id=row.id,
-        name=row.name,
-        priority=row.priority,
-        request=row.request,
-        created_at=row.created_at,
-        started_at=row.started_at,
+    return noun_of(
+        Sweep,
+        row,
         status=_status(counts, row),
         runs=counts,
         progress=float(row.done) / float(row.asked),

@@ -10,6 +10,7 @@ from torch import Tensor
 from algorithms.actor_critic.ddpg_update import Rates, empty_report, update
 from algorithms.matching.losses import matching_of
 from algorithms.networks import network
+from algorithms.networks.activation import ELU, Activation, ReLU, SiLU, Tanh
 from algorithms.networks.network import Shape
 from algorithms.networks.optimizer import learned
 from physics.randomness import generator
@@ -20,6 +21,7 @@ from tests.algorithms.plain import (
     TAU,
     Plain,
     PlainBatch,
+    Setting,
     assert_followed,
     assert_stepped,
     not_small,
@@ -34,6 +36,13 @@ def angular(own: Tensor, target: Tensor) -> Tensor:
     """Equation 3, both vectors made longer by one more entry, which the product leaves out."""
     own_norm, target_norm = (((each**2).sum(1) + 1e-6).sqrt() for each in (own, target))
     return 1 - (own * target).sum(1) / (own_norm * target_norm)
+
+
+def shapes_in(
+    where: Setting, hidden: tuple[int, ...], activation: Activation
+) -> tuple[Shape, Shape]:
+    inputs, m = where.task.feature_size, where.task.action_size
+    return Shape(inputs, hidden, m, activation), Shape(inputs + m, hidden, 1, activation)
 
 
 @pytest.mark.parametrize("name", ["Pendulum", "CartPole", "RollingDie"])
@@ -51,9 +60,34 @@ def angular(own: Tensor, target: Tensor) -> Tensor:
 def test_update_is_the_equations(
     name: str, weights: tuple[float, float], distance: Callable[[Tensor, Tensor], Tensor]
 ) -> None:
+    assert_update_is_the_equations(name, weights, distance, (16, 16), Tanh())
+
+
+@pytest.mark.parametrize(
+    ("hidden", "activation"),
+    [
+        ((16,), Tanh()),
+        ((20, 12, 8), Tanh()),
+        ((12, 20), ELU()),
+        ((20, 12, 8), SiLU()),
+        ((16, 8), ReLU()),
+    ],
+)
+def test_update_is_the_equations_for_any_network(
+    hidden: tuple[int, ...], activation: Activation
+) -> None:
+    assert_update_is_the_equations("Pendulum", (0.7, 0.3), squared, hidden, activation)
+
+
+def assert_update_is_the_equations(
+    name: str,
+    weights: tuple[float, float],
+    distance: Callable[[Tensor, Tensor], Tensor],
+    hidden: tuple[int, ...],
+    activation: Activation,
+) -> None:
     where = setting(name)
-    inputs, m = where.task.feature_size, where.task.action_size
-    shapes = Shape(inputs, 16, m), Shape(inputs + m, 16, 1)
+    shapes = shapes_in(where, hidden, activation)
     actor, critic = (
         learned(not_small(shape, where.random))._replace(target=not_small(shape, where.random))
         for shape in shapes

@@ -7,6 +7,7 @@ from torch.distributions import Normal, TanhTransform
 
 from algorithms.actor_critic.sac_update import Networks, Rates, Shapes, empty_report, update
 from algorithms.matching.losses import matching_of
+from algorithms.networks import network
 from algorithms.networks.network import Shape
 from algorithms.networks.optimizer import learned, learned_alone
 from physics.randomness import generator
@@ -32,14 +33,16 @@ RATES = Rates(np.float32(GAMMA), np.float32(TAU), np.float32(SCALE), RATE)
 
 def shapes_in(where: Setting) -> Shapes:
     inputs, m = where.task.feature_size, where.task.action_size
-    return Shapes(Shape(inputs, 16, 2 * m), Shape(inputs, 16, 1), Shape(inputs + m, 16, 1))
+    return Shapes(
+        Shape(inputs, (16, 16), 2 * m), Shape(inputs, (16, 16), 1), Shape(inputs + m, (16, 16), 1)
+    )
 
 
 def networks_in(where: Setting, shapes: Shapes) -> Networks:
     """Random networks; the policy's sigmas lie below, within and above their bounds."""
-    random, (_, hidden, outputs) = where.random, shapes.policy
+    random, outputs = where.random, shapes.policy.outputs
     policy = not_small(shapes.policy, random)
-    end = policy.size - 4 * hidden
+    end = network.noisy_size(shapes.policy)
     policy[end - outputs // 2 : end] = np.resize([-0.5, -21.0, 2.5], outputs // 2)
     first, second = (learned_alone(not_small(shapes.critic, random)) for _ in range(2))
     value = learned(not_small(shapes.value, random))

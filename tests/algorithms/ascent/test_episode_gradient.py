@@ -25,7 +25,7 @@ UNITS, EPISODES = 16, 2
 def setting(task: Environment, seed: int) -> tuple[Policy, Shape, FloatArray]:
     """An actor that does something, with features on a scale of their own, and start states."""
     random = generator(seed, "gradient test")
-    shape = Shape(task.feature_size, UNITS, task.action_size)
+    shape = Shape(task.feature_size, (UNITS,) * 2, task.action_size)
     theta = network.initial(shape, random)
     theta += np.float32(0.1) * random.standard_normal(theta.size, np.float32)
     statistics = Statistics(coordinates_of(task), task.action_size)

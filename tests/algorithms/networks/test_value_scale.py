@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from algorithms.early_end import NotFiniteQuantityError
 from algorithms.networks import network
-from algorithms.networks.network import Shape
+from algorithms.networks.network import Parameters, Shape
 from algorithms.networks.optimizer import Learned, adam, corrected, learned
 from algorithms.networks.scaling import Statistics
 from algorithms.networks.value_scale import (
@@ -19,21 +19,21 @@ from physics.kernels.compiled import compiled_fast
 from physics.randomness import generator
 from tests.algorithms.plain import not_small, setting
 
-SHAPE = Shape(3, 8, 1)
+SHAPE = Shape(3, (8, 8), 1)
 Floats = NDArray[np.float32]
 
 
 @compiled_fast
 def fit(fitted: Learned, shape: Shape, x: Floats, target: Floats, step: float) -> None:
     """One step of Adam down `(out - target)^2`."""
-    p, work = network.parameters(fitted.theta, shape), network.new_pass(fitted.theta, len(x), shape)
+    p, work = Parameters(fitted.theta, shape), network.new_pass(fitted.theta, len(x), shape)
     network.receive(work, x)
     network.forward(p, work)
     for row in range(len(x)):
         work.out_bar[row, 0] = 2 * (work.out[row, 0] - target[row])
     network.backward(p, work)
     gradient = np.empty_like(fitted.theta)
-    network.gradient(work, network.parameters(gradient, shape))
+    network.gradient(p, work, Parameters(gradient, shape))
     adam(fitted, gradient, step)
 
 
@@ -41,7 +41,7 @@ def fit(fitted: Learned, shape: Shape, x: Floats, target: Floats, step: float) -
 def outputs(theta: Floats, shape: Shape, x: Floats) -> Floats:
     work = network.new_pass(theta, len(x), shape)
     network.receive(work, x)
-    network.forward(network.parameters(theta, shape), work)
+    network.forward(Parameters(theta, shape), work)
     return work.out
 
 

@@ -7,7 +7,9 @@ from typing import Any
 
 import numba
 import pytest
+from numba.core import event
 
+from physics.kernels.cache import WAITING
 from physics.kernels.compile_notice import compile_notice, noticed
 
 
@@ -26,6 +28,19 @@ def test_each_kernel_compiled_is_a_dot_and_the_second_use_is_silent(
         double(1.0)
     double("outside, a third kernel".count("k"))
     assert capsys.readouterr().err == ""
+
+
+def test_waiting_for_another_process_is_told_as_compiling(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with compile_notice("a test"):
+        with event.trigger_event(WAITING):
+            pass
+        with event.trigger_event(WAITING):
+            pass
+    assert re.fullmatch(
+        r"compiling kernels for a test .* \.\. \d+\.\d s\n", capsys.readouterr().err
+    )
 
 
 def test_items_pass_and_only_their_making_is_watched(capsys: pytest.CaptureFixture[str]) -> None:

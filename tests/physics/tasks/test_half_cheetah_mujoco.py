@@ -1,5 +1,7 @@
 """HalfCheetah's geometry, inertia and forces against MuJoCo's own, feet welded to the shins."""
 
+from collections.abc import Iterator
+from contextlib import chdir
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -15,6 +17,16 @@ from physics.tasks.half_cheetah import HalfCheetah
 mujoco: Any = pytest.importorskip("mujoco")
 
 COUNT = 500
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _no_log(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """MuJoCo writes what it warns of into the current folder: nothing, here."""
+    folder = tmp_path_factory.mktemp("mujoco")
+    with chdir(folder):
+        yield
+    logs = [file.read_text() for file in folder.iterdir()]
+    assert not logs
 
 
 @pytest.fixture(scope="module")

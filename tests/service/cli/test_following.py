@@ -2,6 +2,8 @@
 
 import io
 import json
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -9,12 +11,20 @@ from rich.console import Console
 
 from service.api.schemas.curves_answer import CurvesAnswer
 from service.api.schemas.sweep_answer import SweepAnswer
-from service.cli.following import changes, counts_text, eta_text, follow, standings
+from service.cli.following import (
+    changes,
+    counts_text,
+    eta_text,
+    follow,
+    standings,
+    starting_text,
+)
 from service.cli.terminal import table_of
 from service.client import Client
 from service.store.store import Store
-from tests.service.conftest import SWEEP
+from tests.service.conftest import SWEEP, changed
 from tests.service.training import rising, train
+from workers.messages.progress import Activity, Progress
 
 COUNTS = {
     "total": 7, "queued": 0, "paused": 0, "running": 2, "succeeded": 4, "failed": 0,
@@ -87,6 +97,32 @@ def test_a_trained_sweep_in_lines_and_on_a_terminal(service: Client, store: Stor
         assert "12 succeeded" in text
         assert "Pendulum" in text
         assert ("\t" in text) is not is_terminal
+
+
+def test_runs_whose_kernels_are_loaded_or_compiled_are_named_once(
+    service: Client, store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sweep_id = service.submit(changed(seeds=5)).id
+
+    def wait(_: str, *, progressed: Callable[[SweepAnswer], None]) -> SweepAnswer:
+        assert starting_text(service, service.sweep(sweep_id)) == ""
+        claim = store.claim_cohort("worker", 60.0)
+        assert claim is not None
+        first = Progress(0, Activity.COMPILING)
+        for progress in (first, replace(first, fingerprint={"code": "x"})):
+            store.record(claim, progress)
+            progressed(service.sweep(sweep_id))
+        store.record(claim, Progress(50))
+        assert starting_text(service, service.sweep(sweep_id)) == ""
+        train(store, 5, rising)
+        return service.sweep(sweep_id)
+
+    monkeypatch.setattr(service, "wait", wait)
+    output = Console(file=io.StringIO(), width=120)
+    follow(service, sweep_id, output)
+    text = output.file.getvalue()  # type: ignore[attr-defined]
+    names = ", ".join(f"{sweep_id}-{ordinal}" for ordinal in range(4))
+    assert text.count(f"Kernels are loaded, or compiled at first use: {names} and 1 more\n") == 1
 
 
 def test_who_stops_looking_is_told_that_the_sweep_goes_on(

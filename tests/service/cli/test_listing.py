@@ -5,7 +5,7 @@ from service.store.store import Store
 from tests.service.cli.conftest import Command, as_json
 from tests.service.conftest import SWEEP, changed
 from tests.service.training import rising, train
-from workers.messages.progress import Progress, Resumption
+from workers.messages.progress import Activity, Progress, Resumption
 
 
 def test_sweeps_are_lines_newest_first(d3pg: Command, service: Client) -> None:
@@ -53,6 +53,26 @@ def test_a_sweep_and_a_run_are_shown(d3pg: Command, service: Client, store: Stor
     assert "timestep   4,000 of 4,000" in shown
     assert "attempt 1  succeeded on worker" in shown
     assert as_json(d3pg("show", run.id, "--json"))["seed"] == 0
+
+
+def test_a_run_says_while_its_kernels_are_loaded_or_compiled(
+    d3pg: Command, service: Client, store: Store
+) -> None:
+    sweep_id = service.submit(SWEEP).id
+    claim = store.claim_cohort("worker", 60.0, limit=1)
+    assert claim is not None
+    remark = "its kernels are loaded, or compiled at first use"
+    told = (
+        Progress(0, Activity.COMPILING),
+        Progress(0, Activity.COMPILING, resumed=(Resumption(0, 0),), fingerprint={"code": "x"}),
+    )
+    for progress in told:
+        store.record(claim, progress)
+        assert f"status     running: {remark}\n" in d3pg("show", f"{sweep_id}-0").stdout
+        assert d3pg("ls", sweep_id).stdout.count(remark) == 1
+    store.record(claim, Progress(50))
+    assert "status     running\n" in d3pg("show", f"{sweep_id}-0").stdout
+    assert remark not in d3pg("ls", sweep_id).stdout
 
 
 def test_a_run_tells_where_it_was_taken_up(d3pg: Command, service: Client, store: Store) -> None:

@@ -29,9 +29,11 @@ def workers(store: Store) -> Iterator[None]:
 
     thread = threading.Thread(target=work)
     thread.start()
-    yield
-    enough.set()
-    thread.join()
+    try:
+        yield
+    finally:
+        enough.set()
+        thread.join()
 
 
 def rows_of(file: Path) -> list[dict[str, str]]:

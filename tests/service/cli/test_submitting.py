@@ -1,38 +1,15 @@
 """Submitting from files and flags."""
 
-from pathlib import Path
-
 import pytest
 import typer
 
-from service.cli.submitting import algorithm_of, duration, read_request
+from service.cli.submitting import algorithm_of, duration
 from service.client import Client
 from tests.service.cli.conftest import Command, as_json
 
 YAML = (
     "name: é [b]\nalgorithms: [{name: ddpg}]\nenvironments: [Pendulum]\nseeds: 2\ntimesteps: 800\n"
 )
-
-
-def test_a_request_is_read_as_it_stands(tmp_path: Path) -> None:
-    file = tmp_path / "sweep.yaml"
-    file.write_text("name: é [b]\nseeds: [1, 2]\n", encoding="utf-8")
-    assert read_request(file) == {"name": "é [b]", "seeds": [1, 2]}
-
-
-@pytest.mark.parametrize(
-    ("content", "reason"), [("a: [", "not YAML"), ("- 1\n", "must hold a mapping")]
-)
-def test_a_bad_file_is_refused_by_name(tmp_path: Path, content: str, reason: str) -> None:
-    file = tmp_path / "sweep.yaml"
-    file.write_text(content)
-    with pytest.raises(typer.BadParameter, match=f"sweep.yaml.*{reason}"):
-        read_request(file)
-
-
-def test_a_missing_file_is_refused() -> None:
-    with pytest.raises(typer.BadParameter, match=r"cannot read nowhere\.yaml"):
-        read_request(Path("nowhere.yaml"))
 
 
 def test_weights_stand_behind_a_colon() -> None:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from service.paper.differences import MeasuredRun, gains, mean_gain
+from workers.messages.run_spec import Weights
 
 
 def run(
@@ -18,7 +19,7 @@ def run(
         "jacobians": steps * jacobians,
         "seconds": steps / 100 * seconds,
     }
-    return MeasuredRun(algorithm, "Pendulum", (0.0, 0.0), seed, columns)
+    return MeasuredRun(algorithm, "Pendulum", Weights(), seed, columns)
 
 
 def test_equal_timesteps_compare_whole_curves() -> None:

@@ -16,6 +16,7 @@ from service.model.plan import Plan
 from service.paper import tuning
 from service.paper.evaluation import COMPARISON, SEEDS, evaluation
 from service.paper.tuning import Outcome, best
+from workers.messages.run_spec import Weights
 
 WORKER_MEMORY = 16 * 2**30
 RESULTS = Path(__file__).parents[3] / "results"
@@ -49,11 +50,11 @@ def test_a_search_can_be_submitted(hybrid: str, environment: str) -> None:
 
 
 def test_what_is_known_is_not_run_again() -> None:
-    def outcome(weights: tuple[float, float], runs: int) -> Outcome:
+    def outcome(weights: Weights, runs: int) -> Outcome:
         config = {"reward_scale": 3.0}
         return Outcome("Pendulum", "hybrid-sac", weights, config, 0.1, 0.2, runs, "a")
 
-    known = [outcome((1.0, 0.0), 4), outcome((1.0, 1.0), 3)]
+    known = [outcome(Weights(1.0, 0.0), 4), outcome(Weights(1.0, 1.0), 3)]
     request = tuning.weights_sweep("Pendulum", "hybrid-sac", {"reward_scale": 3.0}, known)
     assert len(plan(requested(request)).cells) == 8, "three runs are not an outcome yet"
     request = tuning.weights_sweep("Pendulum", "hybrid-sac", {"reward_scale": 1.0}, known)
@@ -78,7 +79,7 @@ def test_no_seed_of_the_tuning_is_evaluated() -> None:
 
 def test_the_first_of_the_best_is_chosen() -> None:
     rows = [
-        Outcome("Pendulum", "ddpg", (0.0, 0.0), {"noise": noise}, area, 0.0, 4, "a")
+        Outcome("Pendulum", "ddpg", Weights(), {"noise": noise}, area, 0.0, 4, "a")
         for noise, area in ((0.2, 0.1), (0.4, 0.3), (0.6, 0.3), (0.8, float("-inf")))
     ]
     assert best(rows, "Pendulum", "ddpg").config == {"noise": 0.4}

@@ -10,9 +10,9 @@ from service.queue.messages import (
     AskCancelling,
     ClaimCohort,
     Command,
-    Event,
     Lose,
     PoolLost,
+    QueueEvent,
     Record,
 )
 from workers.messages.progress import Progress
@@ -26,7 +26,7 @@ def news(worker: str, timestep: int = 800) -> News:
     return News(worker, "cohort", Progress(timestep))
 
 
-def taken(events: list[Event]) -> list[list[Event]]:
+def taken(events: list[QueueEvent]) -> list[list[QueueEvent]]:
     left = deque(events)
     batches = []
     while left:
@@ -35,7 +35,13 @@ def taken(events: list[Event]) -> list[list[Event]]:
 
 
 def test_different_workers_are_heard_at_once_and_each_in_its_order() -> None:
-    events: list[Event] = [news("a"), Ended("a", "cohort"), news("b"), news("b", 1600), news("c")]
+    events: list[QueueEvent] = [
+        news("a"),
+        Ended("a", "cohort"),
+        news("b"),
+        news("b", 1600),
+        news("c"),
+    ]
     assert taken(events) == [[news("a"), news("b"), news("c")], [events[1], events[3]]]
 
 
@@ -44,7 +50,7 @@ def test_what_a_worker_repeats_is_heard_twice() -> None:
 
 
 def test_the_loss_of_the_pool_is_heard_after_what_came_before_and_alone() -> None:
-    events: list[Event] = [news("a"), news("a", 1600), LOST, Ready("a", 1, "here")]
+    events: list[QueueEvent] = [news("a"), news("a", 1600), LOST, Ready("a", 1, "here")]
     assert taken(events) == [[events[0]], [events[1]], [LOST], [events[3]]]
 
 

@@ -7,14 +7,15 @@ from pathlib import Path
 import pytest
 from sqlalchemy.exc import OperationalError
 
-from service.model.claim import Claim, ClaimedRun
+from service.model.claim import Claim
 from service.model.run import Run, RunStatus
 from service.model.sweep import RunCounts, Sweep
 from service.queue.dispatch import Dispatcher
-from service.queue.scheduler import DispatchTimes
+from service.queue.dispatch_state import DispatchTimes
 from service.store.claiming.retry import RetryPolicy
 from service.store.store import Store
 from tests.service.fake_pool import CYCLE, FakePool, measurement_of
+from workers.messages.assignment import Assignment
 from workers.messages.progress import Progress
 from workers.messages.run_spec import RunSpec
 
@@ -292,7 +293,7 @@ def test_runs_taken_away_from_a_worker_are_dropped_by_it(
     work(dispatcher, 2)
     [busy] = [worker for worker in pool.workers.values() if worker.specs]
     run = run_of(store, sweep, 0)
-    same = ClaimedRun(run.id, run.attempt, run.spec, run.environment_version)
+    same = Assignment(run.id, run.attempt, run.spec, run.environment_version)
     store.lose(Claim("w", 15.0, (same,)), "its lease ended")
     assert run_of(store, sweep, 0).status is RunStatus.QUEUED
     work(dispatcher, 2)

@@ -12,27 +12,30 @@ from typing import Any
 import pytest
 from sqlalchemy import Connection, Row
 
-from service.model.claim import Claim, ClaimedRun
+from service.model.claim import Claim
 from service.model.move import TRANSITIONS, Move
 from service.model.run import FINAL, RunStatus
+from service.model.run_name import RunName
+from service.queue.dispatch_state import DispatchTimes, State
 from service.queue.messages import (
     ClaimCohort,
     Claimed,
     Command,
     Demand,
-    Event,
+    QueueEvent,
     Release,
     Tick,
     Waiting,
 )
-from service.queue.scheduler import NO_ROOM, WORKERS_STARTING, DispatchTimes, State, step
+from service.queue.scheduler import NO_ROOM, WORKERS_STARTING, step
 from service.store import records
 from service.store.claiming import claims, endings, moves
-from service.store.reading.runs import run_name
 from service.store.tables import is_running
 from tests.service.simulation import Simulation
+from workers.messages.assignment import Assignment
 from workers.messages.report import Busy, Capacity, Lost, Ready, Report, Retired
 from workers.messages.run_spec import RunSpec
+from workers.messages.work import Work
 
 STEPS = int(os.environ.get("D3PG_SIMULATED_STEPS", "4000"))
 STEPS_OF_THE_LONG_TEST = 100_000
@@ -80,13 +83,12 @@ def test_a_hundred_thousand_events_keep_every_promise() -> None:
 
 
 def test_what_a_worker_said_of_an_earlier_cohort_displaces_none() -> None:
-    note = Claim("a", 15.0, ()).to_json()
-    state, _ = step(State(), Busy("a", "new-0/1", note), 0.0, DispatchTimes())
-    repeated, commands = step(state, Busy("a", "old-0/1", note), 1.0, DispatchTimes())
+    state, _ = step(State(), Busy("a", Work("new-0/1", ())), 0.0, DispatchTimes())
+    repeated, commands = step(state, Busy("a", Work("old-0/1", ())), 1.0, DispatchTimes())
     assert (repeated.cohorts, commands) == (state.cohorts, [])
 
 
-def told(state: State, *events: Event) -> tuple[State, list[Command]]:
+def told(state: State, *events: QueueEvent) -> tuple[State, list[Command]]:
     """The state after events, and all that was commanded."""
     commands: list[Command] = []
     for event in events:
@@ -123,7 +125,7 @@ def test_a_cell_is_split_over_free_cores_though_only_one_worker_is_up() -> None:
 
 
 def test_more_is_demanded_than_there_is_room_for_until_nothing_waits() -> None:
-    busy = Busy("a", "x-0/1", Claim("a", 15.0, ()).to_json())
+    busy = Busy("a", Work("x-0/1", ()))
     state, _ = told(State(), Tick(), Capacity(1, slots=1), busy)
     state, commands = told(state, waiting(16, 16, 5))
     assert commands == [Demand(4)]
@@ -134,7 +136,7 @@ def test_more_is_demanded_than_there_is_room_for_until_nothing_waits() -> None:
 
 
 def test_what_a_retired_worker_was_given_is_put_back_at_once() -> None:
-    claim = Claim("a", 15.0, (ClaimedRun("x-0", 1, RunSpec("ddpg", "Pendulum", 0), 1),))
+    claim = Claim("a", 15.0, (Assignment("x-0", 1, RunSpec("ddpg", "Pendulum", 0), 1),))
     state, _ = told(State(), Ready("a", 1, "here"), Claimed("a", claim))
     state, commands = told(state, Retired("a"))
     assert commands == [Release(claim, "its worker was retired before it began")]
@@ -199,7 +201,7 @@ def extend(monkeypatch: pytest.MonkeyPatch, asked: Move, sources: frozenset[RunS
 def rows_of(connection: Connection, claim: Claim) -> dict[str, Row[Any]]:
     """The claim's runs, whether or not they are its own."""
     rows = connection.execute(claims.held_rows()).all()
-    found = {run_name(row.sweep_id, row.ordinal): row for row in rows}
+    found = {str(RunName(row.sweep_id, row.ordinal)): row for row in rows}
     return {run.run_id: found[run.run_id] for run in claim.runs}
 
 

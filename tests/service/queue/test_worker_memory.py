@@ -1,14 +1,15 @@
 """Memory of workers: what they may fill, and how many runs that are."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from service.queue import worker_memory
 from service.queue.worker_memory import machine_memory, memory_of, runs_at_once, usual_worker_memory
-from workers.messages.run_spec import COHORT_LIMIT, RunSpec
+from workers.messages.run_spec import COHORT_LIMIT, RunSpec, Weights
 
-CELL = RunSpec("hybrid-ddpg", "HalfCheetah", 0, (0.1, 0.01), 200_000).cell
+CELL = RunSpec("hybrid-ddpg", "HalfCheetah", 0, Weights(0.1, 0.01), 200_000).cell
 
 
 def test_a_cohort_is_cut_so_that_it_fits() -> None:
@@ -25,8 +26,8 @@ def test_one_that_is_too_large_is_taken_alone() -> None:
 
 
 def test_what_cannot_be_worked_out_is_left_to_the_worker() -> None:
-    assert runs_at_once(CELL._replace(algorithm="uninstalled"), 1) == COHORT_LIMIT
-    assert runs_at_once(CELL._replace(config='{"replay_size": "x"}'), 1) == COHORT_LIMIT
+    assert runs_at_once(replace(CELL, algorithm="uninstalled"), 1) == COHORT_LIMIT
+    assert runs_at_once(replace(CELL, config={"replay_size": "x"}), 1) == COHORT_LIMIT
 
 
 def test_workers_share_the_machine(monkeypatch: pytest.MonkeyPatch) -> None:

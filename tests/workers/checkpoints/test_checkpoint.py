@@ -15,7 +15,7 @@ import pytest
 from algorithms.learner import Learner
 from algorithms.measurement import Measurement
 from algorithms.networks.policy import deterministic
-from algorithms.snapshot import Critic, Snapshot
+from algorithms.snapshot import Critic, Inside, Snapshot
 from tests.object_store import objects
 from tests.workers.fake_learner import CYCLE, FakeLearner, measurement_of
 from workers.checkpoints import sealed_file
@@ -41,7 +41,7 @@ def checkpoints_of(
     spec: RunSpec = SPEC,
     fingerprint: Mapping[str, Any] = FINGERPRINT,
 ) -> Checkpoints:
-    return Checkpoints(place, Assignment("run-3", attempt, spec), fingerprint)
+    return Checkpoints(place, Assignment("run-3", attempt, spec, 1), fingerprint)
 
 
 def train(checkpoints: Checkpoints, learner: FakeLearner, saves: int) -> FakeLearner:
@@ -239,7 +239,10 @@ def test_what_was_learned_outlives_the_checkpoints(
     place: Place, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     theta, unit = np.arange(5, dtype=np.float32), np.ones(3, np.float32)
-    learned = Snapshot(200, 8, 1, deterministic(theta, unit, unit, 1), Critic(theta, -3.5, 2.5))
+    inside = Inside((8, 8), "tanh")
+    learned = Snapshot(
+        200, 1, inside, deterministic(theta, unit, unit, 1), Critic(theta, -3.5, 2.5)
+    )
     monkeypatch.setattr(FakeLearner, "snapshot", lambda self, seed: learned)
     checkpoints = checkpoints_of(place)
     assert find_snapshot(place, "run-3") is None
@@ -250,7 +253,7 @@ def test_what_was_learned_outlives_the_checkpoints(
     remove_checkpoints(place, "run-4")
     found = find_snapshot(place, "run-3")
     assert found is not None
-    assert (found.timestep, found.hidden, found.actions) == (200, 8, 1)
+    assert (found.timestep, found.inside, found.actions) == (200, inside, 1)
     np.testing.assert_array_equal(found.policy.theta, theta, strict=True)
     assert found.critic is not None
     assert (found.critic.value_mean, found.critic.value_std) == (-3.5, 2.5)
@@ -260,9 +263,10 @@ def test_on_the_mass_point_what_was_learned_by_the_epochs_of_figure_2_is_kept(
     place: Place, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     theta, unit = np.arange(5, dtype=np.float32), np.ones(3, np.float32)
+    inside = Inside((8, 8), "tanh")
 
     def learned(self: FakeLearner, seed: int) -> Snapshot:
-        return Snapshot(self.timestep, 8, 1, deterministic(theta, unit, unit, 1))
+        return Snapshot(self.timestep, 1, inside, deterministic(theta, unit, unit, 1))
 
     monkeypatch.setattr(FakeLearner, "snapshot", learned)
     for spec, kept in ((replace(SPEC, environment="MassPoint"), [1, 10]), (SPEC, [])):

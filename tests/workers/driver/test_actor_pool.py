@@ -14,7 +14,12 @@ from tests.workers.fake_cluster import FakeCluster
 from workers.driver.actor_pool import IDLE_SECONDS, ActorPool
 from workers.driver.outbox import Outbox
 from workers.driver.placement import Bounds
+from workers.messages.assignment import Assignment
 from workers.messages.report import Capacity, Report, from_line
+from workers.messages.run_spec import RunSpec
+from workers.messages.work import Work
+
+WORK = Work("a-0/1", (Assignment("a-0", 1, RunSpec("ddpg", "Pendulum", 0), 1),))
 
 
 class Service:
@@ -155,7 +160,7 @@ def test_what_is_missing_is_asked_of_the_autoscaler_until_it_is_there(
 def test_a_demand_is_heeded_at_once_and_withdrawn_at_the_end(
     pool: ActorPool, cluster: FakeCluster, serving: threading.Thread, service: Service
 ) -> None:
-    follower = threading.Thread(target=pool.follow)
+    follower = threading.Thread(target=pool.follow, daemon=True)
     follower.start()
     service.say(do="demand", workers=4)
     deadline = time.monotonic() + 10.0
@@ -172,11 +177,11 @@ def test_commands_reach_the_slot_of_the_worker_they_name(
     cluster: FakeCluster, pool: ActorPool, service: Service
 ) -> None:
     pool.look()
-    service.say(do="train", worker="worker-2", work={"cohort": "a"})
+    service.say(do="train", worker="worker-2", work=WORK.to_json())
     service.say(do="drop", worker="worker-2", seeds=[3])
-    service.say(do="train", worker="worker-of-old", work={})
+    service.say(do="train", worker="worker-of-old", work=WORK.to_json())
     service.say(do="kill", worker="worker-3")
     assert cluster.slots[2].killed.wait(10.0)
-    assert [slot.works for slot in cluster.slots] == [[], [{"cohort": "a"}], []]
+    assert [slot.works for slot in cluster.slots] == [[], [WORK], []]
     assert [slot.dropped for slot in cluster.slots] == [[], [[3]], []]
     assert [slot.killed.is_set() for slot in cluster.slots] == [False, False, True]

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from workers.driver.outbox import GREETING, Outbox, read_spool
+from workers.messages.assignment import Assignment
 from workers.messages.progress import Progress
 from workers.messages.report import (
     Busy,
@@ -18,9 +19,11 @@ from workers.messages.report import (
     from_line,
     to_line,
 )
+from workers.messages.run_spec import RunSpec
+from workers.messages.work import Work
 
 READY = Ready("worker-1", 4711, "here")
-BUSY = Busy("worker-1", "a-0/1", {"note": 1})
+BUSY = Busy("worker-1", Work("a-0/1", (Assignment("a-0", 1, RunSpec("ddpg", "Pendulum", 0), 1),)))
 NEWS = [News("worker-1", "a-0/1", Progress(800 * step)) for step in range(1, 4)]
 ENDED = Ended("worker-1", "a-0/1")
 
@@ -34,10 +37,13 @@ class Listener:
         self._theirs = theirs
         self._lines = self._ours.makefile("rb")
         outbox.attach(theirs)
-        assert self._lines.readline().decode().strip() == GREETING
+        assert self.line() == GREETING
+
+    def line(self) -> str:
+        return self._lines.readline().decode().strip()
 
     def hear(self, count: int) -> list[Report]:
-        return [from_line(self._lines.readline()) for _ in range(count)]
+        return [from_line(self.line()) for _ in range(count)]
 
     def close(self) -> None:
         for end in (self._lines, self._ours, self._theirs):
@@ -105,12 +111,14 @@ def test_what_nobody_heard_is_in_the_spool_until_it_is_recorded(
     [
         to_line(NEWS[1])[:40],
         to_line(NEWS[1]).replace("cohort", "cohorx"),
-        to_line(ENDED).replace("worker", "workes"),
+        to_line(ENDED).replace("cohort", "cohorx"),
         to_line(ENDED).replace("ended", "ender"),
         "3",
-        "[]",
-        "{}",
-        '{"kind": []}',
+        "ended",
+        "ended worker-1",
+        "ended worker-1 []",
+        "ended worker-1 {}",
+        '{"kind": "ended"}',
     ],
 )
 def test_a_damaged_line_is_left_out(spool: Path, damaged: str) -> None:
@@ -138,3 +146,13 @@ def test_what_the_cluster_has_room_for_is_told_to_every_listener(outbox: Outbox)
     second = Listener(outbox)
     assert second.hear(2) == [Capacity(2, slots=1), READY]
     second.close()
+
+
+def test_a_line_is_passed_on_unread(outbox: Outbox) -> None:
+    """Between worker and service nobody parses a report."""
+    outbox.put("news worker-1 {this is no JSON")
+    listener = Listener(outbox)
+    assert listener.line() == "news worker-1 {this is no JSON"
+    outbox.acknowledge(1)
+    outbox.detach()
+    listener.close()

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from algorithms.early_end import Divergence
 from algorithms.measurement import Measurement
+from workers.messages.assignment import Assignment
 from workers.messages.progress import Activity, CheckpointAttempt, Progress, Resumption
 from workers.messages.random_return import RandomReturn
 from workers.messages.report import (
@@ -23,8 +24,11 @@ from workers.messages.report import (
     Report,
     Retired,
     from_line,
+    heading,
     to_line,
 )
+from workers.messages.run_spec import RunSpec, Weights
+from workers.messages.work import Work
 
 COUNTS = st.integers(0, 2**53)
 MEASUREMENTS = st.builds(
@@ -41,11 +45,17 @@ MEASUREMENTS = st.builds(
 )
 
 
+RUNS = (
+    Assignment("a-0", 1, RunSpec("ddpg", "Pendulum", 0), 1),
+    Assignment("a-1", 2, RunSpec("sac", "Acrobot", 7, Weights(0.1, 0.0), 800, {"noise": 1.0}), 3),
+)
+
+
 @pytest.mark.parametrize(
     "report",
     [
         Ready("worker-1", 4711, "here"),
-        Busy("worker-1", "a-0/1", {"worker": "worker-1"}),
+        Busy("worker-1", Work("a-0/1", RUNS, measure_random_return=True, report_seconds=5.0)),
         Ended("worker-1", "a-0/1"),
         Failed("worker-1", "a-0/1", "Traceback\nValueError: 'ü'\n", "a\nb"),
         Lost("worker-1", "killed", ""),
@@ -75,6 +85,8 @@ def test_survives_as_a_line(report: Report) -> None:
     assert "\n" not in line
     assert from_line(line) == report
     assert from_line(line.encode()) == report
+    assert heading(line).kind == type(report).__name__.lower()
+    assert heading(line).worker == getattr(report, "worker", "-")
 
 
 @given(st.lists(MEASUREMENTS, max_size=3))

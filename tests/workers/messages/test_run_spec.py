@@ -8,18 +8,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workers.messages.run_spec import COHORT_LIMIT, RunSpec, shared_cell
+from workers.messages.run_spec import COHORT_LIMIT, RunSpec, Weights, shared_cell
 
-SPEC = RunSpec("hybrid-ddpg", "Pendulum", 3, (0.1, 0.01), 4000, {"batch": 64, "gamma": 0.99})
+SPEC = RunSpec("hybrid-ddpg", "Pendulum", 3, Weights(0.1, 0.01), 4000, {"batch": 64, "gamma": 0.99})
 FINITE = st.floats(allow_nan=False, allow_infinity=False)
 
 
 @given(
     seed=st.integers(0, 2**53),
-    weights=st.tuples(FINITE, FINITE),
+    weights=st.builds(Weights, FINITE, FINITE),
     config=st.dictionaries(st.text(), st.one_of(FINITE, st.booleans(), st.integers(), st.text())),
 )
-def test_survives_json(seed: int, weights: tuple[float, float], config: dict[str, Any]) -> None:
+def test_survives_json(seed: int, weights: Weights, config: dict[str, Any]) -> None:
     spec = RunSpec("ddpg", "MassPoint", seed, weights, 800, config)
     again = RunSpec.from_json(json.loads(json.dumps(spec.to_json())))
     assert again == spec
@@ -32,7 +32,7 @@ def test_the_cell_is_all_but_the_seed() -> None:
     for other in (
         replace(SPEC, algorithm="ddpg"),
         replace(SPEC, environment="MassPoint"),
-        replace(SPEC, weights=(0.01, 0.1)),
+        replace(SPEC, weights=Weights(0.01, 0.1)),
         replace(SPEC, timesteps=8000),
         replace(SPEC, config={"batch": 32, "gamma": 0.99}),
     ):

@@ -62,7 +62,7 @@ def test_trains_a_cohort(heard: Heard, workers: list[Ready]) -> None:
     worker = workers[0].worker
     cohort = heard.train(worker, SPECS, measure=True)
     heard.wait_for(lambda report: report == Ended(worker, cohort))
-    assert Busy(worker, cohort, {"note": heard.cohorts}) in heard.reports
+    assert Busy(worker, heard.work) in heard.reports
     news = [r.progress for r in heard.reports if isinstance(r, News) and r.worker == worker]
     points = [(m.seed, m.timestep) for progress in news for m in progress.measurements]
     assert sorted(points) == [(seed, step) for seed in range(4) for step in (800, 1600)]

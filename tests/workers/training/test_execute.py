@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from algorithms.networks.policy import deterministic
-from algorithms.snapshot import Snapshot
+from algorithms.snapshot import Inside, Snapshot
 from tests.object_store import ObjectStore
 from tests.workers.fake_learner import CYCLE, FakeLearner, measurement_of
 from workers.checkpoints import bucket, sealed_file
@@ -26,7 +26,7 @@ from workers.messages.assignment import Assignment
 from workers.messages.progress import Activity, Progress, Resumption
 from workers.messages.run_spec import RunSpec
 from workers.messages.work import REPORT_SECONDS
-from workers.training import cadence, cohort
+from workers.training import cadence, cohort_thread
 from workers.training.execute import execute
 from workers.training.random_play import measure_random_return
 
@@ -45,7 +45,7 @@ def pause(timestep: int) -> Collection[int]:
 
 
 def assigned(specs: Sequence[RunSpec]) -> list[Assignment]:
-    return [Assignment(f"run-{spec.seed}", 1, spec) for spec in specs]
+    return [Assignment(f"run-{spec.seed}", 1, spec, 1) for spec in specs]
 
 
 RUNS = assigned(SPECS)
@@ -243,7 +243,7 @@ def test_stops_training_when_its_stream_is_closed() -> None:
 
 
 def test_stops_itself_when_nobody_listens(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cohort, "UNCOLLECTED_SECONDS", 0.2)
+    monkeypatch.setattr(cohort_thread, "UNCOLLECTED_SECONDS", 0.2)
     abandoned = threading.Event()
     endless = [RunSpec("fake", "Pendulum", 0, timesteps=10**9)]
     stream = execute(
@@ -256,7 +256,7 @@ def test_stops_itself_when_nobody_listens(monkeypatch: pytest.MonkeyPatch) -> No
     next(stream)
     next(stream)
     assert abandoned.wait(10)
-    with pytest.raises(cohort.AbandonedError, match="nobody collected the news"):
+    with pytest.raises(cohort_thread.AbandonedError, match="nobody collected the news"):
         for _ in stream:
             pass
 
@@ -281,7 +281,7 @@ def attempts_of(
     befores = [*map(cut_at, cuts), *([lambda _: ()] if is_last else [])]
     said: list[list[Progress]] = []
     for attempt, before in enumerate(befores, start=1):
-        runs = [Assignment(f"run-{spec.seed}", attempt, spec) for spec in specs]
+        runs = [Assignment(f"run-{spec.seed}", attempt, spec, 1) for spec in specs]
         build = partial(FakeLearner, before_cycle=before)
         said.append([])
         with suppress(CutError):
@@ -347,9 +347,9 @@ def test_a_checkpoint_that_does_not_fit_is_told_and_training_goes_on(
 def test_what_was_learned_by_the_end_is_left_where_its_place_answers_late(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(cohort, "AGAIN_SECONDS", 0.001)
+    monkeypatch.setattr(cohort_thread, "AGAIN_SECONDS", 0.001)
     unit = np.ones(3, np.float32)
-    learned = Snapshot(TIMESTEPS, 8, 1, deterministic(unit, unit, unit, 1))
+    learned = Snapshot(TIMESTEPS, 1, Inside((8, 8), "tanh"), deterministic(unit, unit, unit, 1))
     monkeypatch.setattr(FakeLearner, "snapshot", lambda self, seed: learned)
     silences, write = [8], DiskFolder.write
 
@@ -363,7 +363,7 @@ def test_what_was_learned_by_the_end_is_left_where_its_place_answers_late(
     [said] = attempts_of(tmp_path, [])
     assert not any(c.problem for p in said for c in p.checkpoints)
     assert all(find_snapshot(tmp_path, f"run-{spec.seed}") for spec in SPECS)
-    monkeypatch.setattr(cohort, "NO_ANSWER_SECONDS", 0.0)
+    monkeypatch.setattr(cohort_thread, "NO_ANSWER_SECONDS", 0.0)
     silences[0] = 10**9
     [said] = attempts_of(tmp_path, [])
     assert {c.problem for p in said for c in p.checkpoints} == {
@@ -399,7 +399,7 @@ def test_a_bucket_that_is_gone_for_a_while_is_told_and_costs_its_checkpoints_alo
         (300, "its checkpoint of step 300 could not be written"),
     }
     assert all("AWS_ENDPOINT_URL" in problem for _, problem in problems if problem)
-    second = [Assignment(f"run-{spec.seed}", 2, spec) for spec in SPECS]
+    second = [Assignment(f"run-{spec.seed}", 2, spec, 1) for spec in SPECS]
     said = list(execute(second, url, tuple, never, build_learner=FakeLearner))
     assert {r.timestep for p in said for r in p.resumed} == {500}
     for spec in SPECS:

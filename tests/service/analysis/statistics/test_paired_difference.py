@@ -9,6 +9,7 @@ from service.model.run import RunStatus
 from service.model.run_curve import RunCurve
 from tests.service.scored import ByAlgorithm, run_curve
 from tests.service.training import random_return
+from workers.messages.run_spec import Weights
 
 ZERO = {("Pendulum", 1): random_return("Pendulum", -1000.0)}
 
@@ -22,8 +23,8 @@ def test_by_hand() -> None:
     (found,) = differences(
         run_curve("ddpg", "Pendulum", 0, [200, 200, 200]),
         run_curve("ddpg", "Pendulum", 1, [100, 200, 300]),
-        run_curve("hybrid-ddpg", "Pendulum", 1, [100, 100, 100], weights=(1.0, 0.0)),
-        run_curve("hybrid-ddpg", "Pendulum", 0, [200, 300, 400], weights=(1.0, 0.0)),
+        run_curve("hybrid-ddpg", "Pendulum", 1, [100, 100, 100], weights=Weights(1.0, 0.0)),
+        run_curve("hybrid-ddpg", "Pendulum", 0, [200, 300, 400], weights=Weights(1.0, 0.0)),
     )
     assert (found.environment, found.label, found.baseline) == ("Pendulum", "hybrid-ddpg", "ddpg")
     assert (found.difference.n, found.wins) == (2, 1)
@@ -66,7 +67,7 @@ def test_without_a_random_return_there_is_no_unit() -> None:
     assert found.difference.n == 0
 
 
-@pytest.mark.parametrize("status", set(RunStatus) - {RunStatus.SUCCEEDED})
+@pytest.mark.parametrize("status", sorted(set(RunStatus) - {RunStatus.SUCCEEDED}))
 def test_only_pairs_at_their_end_count(status: RunStatus) -> None:
     """A hybrid that diverged after a good start has not gained anything."""
     (found,) = differences(

@@ -45,7 +45,7 @@ def test_which_score(score: Score, value: float) -> None:
     assert cell.values.tolist() == [value]
 
 
-@pytest.mark.parametrize("status", set(RunStatus) - {RunStatus.SUCCEEDED})
+@pytest.mark.parametrize("status", sorted(set(RunStatus) - {RunStatus.SUCCEEDED}))
 def test_only_what_reached_its_end_counts(status: RunStatus) -> None:
     runs = [
         run_curve("sac", "Pendulum", 0, [-100, -10], status=status),

@@ -18,6 +18,7 @@ from fastapi import FastAPI
 from starlette.testclient import TestClient
 
 from service.store.connection import READERS
+from tests.end_to_end.running_service import free_port
 from tests.service.conftest import SWEEP, TOKEN
 from tests.service.served import served
 
@@ -139,9 +140,7 @@ store.close()
 
 
 def test_sigterm_ends_the_server_with_50_streams_open(tmp_path: Path) -> None:
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
+    port = free_port()
     variables = {"D3PG_DATA_DIR": str(tmp_path), "D3PG_TOKEN": TOKEN, "D3PG_PORT": str(port)}
     path = {"PYTHONPATH": ":".join(filter(None, sys.path))}
     server = subprocess.Popen([sys.executable, "-c", SERVER], env=variables | path)

@@ -7,11 +7,18 @@ import pytest
 from starlette.testclient import TestClient
 
 import hatch_build
-from service.api.routes import pages
-from service.api.routes.pages import modules, static_version
+from service.api.routes.pages import static
+from service.api.static_files import StaticFolder
 
 ROOT = Path(__file__).parents[4]
-PAGES = ("/", "/sweeps/3f9a0c51b7de")
+PAGES = (
+    "/",
+    "/sweeps/3f9a0c51b7de",
+    "/sweeps/3f9a0c51b7de/runs",
+    "/runs/3f9a0c51b7de-1",
+    "/compare",
+    "/catalogue",
+)
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -59,7 +66,7 @@ def test_a_page_is_all_ours_and_has_nothing_inline(client: TestClient, page: str
 
 
 def test_static_files_need_no_token_and_are_kept_for_good(stranger: TestClient) -> None:
-    answer = stranger.get(f"/static/{static_version()}/sweep.js")
+    answer = stranger.get(f"/static/{static().version}/pages/sweep.js")
     assert answer.status_code == 200
     assert "immutable" in answer.headers["cache-control"]
 
@@ -70,24 +77,29 @@ def test_browsers_that_ask_for_an_icon_by_themselves_find_it(client: TestClient)
 
 
 def test_another_version_s_address_is_not_kept(stranger: TestClient) -> None:
-    assert stranger.get("/static/000000000000/sweep.js").headers["cache-control"] == "no-cache"
+    assert (
+        stranger.get("/static/000000000000/pages/sweep.js").headers["cache-control"] == "no-cache"
+    )
 
 
-def test_the_version_changes_with_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pages, "STATIC", tmp_path)
-    versions = {static_version()}
-    for text in ("a", "ab"):
-        (tmp_path / "page.css").write_text(text)
-        versions.add(static_version())
-    assert len(versions) == 3
+def test_no_file_is_read_to_know_the_version(
+    client: TestClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    version = static().version
+    monkeypatch.setattr(StaticFolder, "__init__", None)
+    for _ in range(2):
+        assert client.get(f"/static/{version}/pages/sweep.js").status_code == 200
+        assert version in client.get("/").text
 
 
 def test_every_imported_module_is_named_once(client: TestClient) -> None:
-    loaded = [path.rpartition("/")[2] for path in References(client.get("/").text).loaded]
+    prefix = f"/static/{static().version}/"
+    loaded = [path.removeprefix(prefix) for path in References(client.get("/").text).loaded]
     scripts = [name for name in loaded if name.endswith(".js")]
-    assert sorted(set(scripts)) == sorted({*modules("sweeps.js", ""), "theme.js"})
-    assert {"sweeps.js", "format.js", "events.js"} <= set(scripts)
-    assert "chart.js" not in scripts
+    modules = static().modules("pages/sweeps.js")
+    assert sorted(set(scripts)) == sorted({*modules, "parts/theme.js"})
+    assert {"pages/sweeps.js", "texts/format.js", "connection/events.js"} <= set(scripts)
+    assert "charts/chart.js" not in scripts
 
 
 def test_nothing_outside_the_static_folder_is_served(stranger: TestClient) -> None:

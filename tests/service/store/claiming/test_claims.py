@@ -7,7 +7,7 @@ from service.store.claiming.claims import ALONE_AFTER
 from service.store.store import Store
 from tests.service.store.conftest import AT_ONCE, Submit, measured
 from workers.messages.progress import Progress
-from workers.messages.run_spec import COHORT_LIMIT, RunSpec
+from workers.messages.run_spec import COHORT_LIMIT, RunSpec, Weights
 
 LEASE = 60.0
 OVER = -1.0  # a lease that has ended as it begins
@@ -41,7 +41,7 @@ def test_a_cohort_differs_in_the_seed_alone(store: Store) -> None:
     specs = [
         RunSpec("ddpg", "Pendulum", seed, weights, timesteps, config)
         for seed in (0, 1)
-        for weights in ((0.0, 0.0), (0.1, 0.0))
+        for weights in (Weights(), Weights(0.1))
         for timesteps in (800, 1600)
         for config in ({}, {"batch": 32})
     ]

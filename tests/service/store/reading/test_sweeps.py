@@ -13,14 +13,14 @@ from service.store.refusal import ImpossibleMoveError, NotFoundError
 from service.store.store import Store
 from tests.service.store.conftest import Submit, measured
 from workers.messages.progress import Progress
-from workers.messages.run_spec import RunSpec
+from workers.messages.run_spec import RunSpec, Weights
 
 LEASE = 60.0
 
 
 def test_a_sweep_becomes_its_runs_in_order(store: Store) -> None:
     specs = [
-        RunSpec("hybrid-ddpg", environment, seed, (0.1, w2), 4000, {"batch": 64})
+        RunSpec("hybrid-ddpg", environment, seed, Weights(0.1, w2), 4000, {"batch": 64})
         for environment in ("Pendulum", "MassPoint")
         for w2 in (0.0, 0.01)
         for seed in (7, 3)

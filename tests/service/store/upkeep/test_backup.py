@@ -22,7 +22,7 @@ def test_a_backup_is_a_moment_of_a_database_in_use(fresh_sqlite: Fresh, tmp_path
             sweep = store.create_sweep("x", 0, {}, specs, environment_versions={"Pendulum": 1})
             told.append(sweep.id)
 
-    writer = threading.Thread(target=write)
+    writer = threading.Thread(target=write, daemon=True)
     writer.start()
     engine = connect(url, "reader")
     known: list[int] = []

@@ -1,0 +1,86 @@
+"""What routes are given: what the application holds, and the sweep or run of their path."""
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Protocol
+
+from fastapi import Depends, Request
+from fastapi import Path as PathParameter
+
+from service.api.event_feed import EventFeed
+from service.api.problems import NotFound, printable
+from service.api.side_process import Side
+from service.model.entry import Entries
+from service.model.run import Run
+from service.model.sweep import Sweep
+from service.store.store import Store
+from workers.checkpoints.place import Place
+
+MAX_ID = 64
+
+
+class Workforce(Protocol):
+    """What the routes ask of whoever dispatches runs to workers."""
+
+    @property
+    def problem(self) -> str | None:
+        """Why no run can start now, as a sentence; None while they can."""
+
+    @property
+    def workers(self) -> Mapping[str, bool]:
+        """The workers that are up, and whether each is busy."""
+
+
+def _held(name: str) -> Any:
+    """Return the dependency on what the application holds under a name."""
+
+    def held(request: Request) -> Any:
+        return getattr(request.app.state, name)
+
+    return Depends(held)
+
+
+TheCheckpoints = Annotated[Place, _held("checkpoints")]
+TheSide = Annotated[Side, _held("side")]
+TheStore = Annotated[Store, _held("store")]
+TheEventFeed = Annotated[EventFeed, _held("event_feed")]
+TheWorkerMemory = Annotated[int, _held("worker_memory")]
+TheWorkforce = Annotated[Workforce, _held("dispatcher")]
+
+
+SweepId = Annotated[str, PathParameter(examples=["3f9a0c51b7de"])]
+RunId = Annotated[str, PathParameter(examples=["3f9a0c51b7de-17"])]
+
+
+def _sweep(sweep_id: SweepId, store: TheStore) -> Sweep:
+    sweep = store.find_sweep(sweep_id) if may_be_id(sweep_id) else None
+    if sweep is None:
+        raise NotFound(f"There is no sweep {printable(sweep_id)!r}.")
+    return sweep
+
+
+def _run(run_id: RunId, store: TheStore) -> Run:
+    return find_run(run_id, store)
+
+
+def find_run(run_id: str, store: Store) -> Run:
+    """Return the run of that id. Raises NotFound."""
+    run = store.find_run(run_id) if may_be_id(run_id) else None
+    if run is None:
+        raise NotFound(f"There is no run {printable(run_id)!r}.")
+    return run
+
+
+def may_be_id(text: str) -> bool:
+    """Whether it is worth asking the database, which may choke on what no id holds."""
+    return len(text) <= MAX_ID and text.isascii() and text.isprintable()
+
+
+TheSweep = Annotated[Sweep, Depends(_sweep)]
+TheRun = Annotated[Run, Depends(_run)]
+
+
+def _label(run: TheRun, store: TheStore) -> str:
+    return Entries(store.sweep_request(run.sweep_id)).label(run.id)
+
+
+TheLabel = Annotated[str, Depends(_label)]

@@ -1,0 +1,167 @@
+"""`d3pg db`: the service's database, for those who look after it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+from sqlalchemy import Engine, make_url
+from sqlalchemy.exc import SQLAlchemyError
+
+from service.cli.terminal import console, say
+from service.data_dir import DataDirInUseError, owned
+from service.settings import Settings
+from service.store.connection import Role, connect
+from service.store.refusal import (
+    DatabaseInUseError,
+    MissingDriverError,
+    OutdatedTablesError,
+    TransferError,
+    UnsafeSQLiteError,
+)
+from service.store.upkeep import backup as backups
+from service.store.upkeep import integrity, migration
+from service.store.upkeep.transfer import transfer
+
+app = typer.Typer(
+    name="db",
+    help="The database: bring it up to date, check it, copy it, back it up.",
+    no_args_is_help=True,
+)
+Database = Annotated[
+    str | None,
+    typer.Option("--database-url", help="Its SQLAlchemy URL; the service's if unset."),
+]
+REFUSALS = (
+    DataDirInUseError,
+    DatabaseInUseError,
+    FileExistsError,
+    FileNotFoundError,
+    MissingDriverError,
+    OutdatedTablesError,
+    TransferError,
+    UnsafeSQLiteError,
+)
+
+
+@app.command()
+def upgrade(database_url: Database = None) -> None:
+    """Bring the tables to this version's. The service does so by itself as it starts."""
+    url = _url(database_url)
+    with _refusing(), _alone(url), _opened(url, "writer", is_new=True) as engine:
+        migration.upgrade(engine)
+    say("The tables are this version's.")
+
+
+@app.command()
+def check(database_url: Database = None) -> None:
+    """Check that the database is whole, also while the service works; exit code 1 if it is not."""
+    with _refusing(), _opened(_url(database_url), "reader") as engine:
+        migration.refuse_outdated(engine)
+        with engine.connect() as connection:
+            checks = integrity.check(connection)
+    for each in checks:
+        mark = "[red]broken[/]" if each.faults else "[green]holds [/]"
+        console.print(f"{mark} {each.claim}", highlight=False)
+        for fault in each.faults:
+            say(f"       {fault}")
+    if any(each.faults for each in checks):
+        raise typer.Exit(1)
+
+
+@app.command()
+def copy(
+    source: Annotated[str, typer.Argument(metavar="FROM_URL", help="Stop its service first.")],
+    target: Annotated[str, typer.Argument(metavar="TO_URL", help="An empty database.")],
+) -> None:
+    """Copy everything into another database, and prove it by counts and hashes of every table."""
+    with (
+        _refusing(),
+        _alone(source, target),
+        _opened(source, "reader") as reader,
+        _opened(source, "writer") as quiet,
+        _opened(target, "writer", is_new=True) as writer,
+    ):
+        migration.refuse_outdated(reader)
+        quiet.connect().close()  # its lock is held until the end: no service writes meanwhile
+        migration.upgrade(writer)
+        with _progress() as progress:
+            tasks = {}
+
+            def tell(table: str, rows: int, total: int) -> None:
+                if table not in tasks:
+                    tasks[table] = progress.add_task(table, total=total)
+                progress.update(tasks[table], completed=rows)
+
+            copied = transfer(reader, writer, tell)
+    for table in copied:
+        say(f"{table.name:16} {table.rows:>10,} rows  sha256 {table.sha256}")
+    say("Rows and hashes are equal at both ends.")
+
+
+@app.command()
+def backup(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="A new file.")],
+    database_url: Database = None,
+) -> None:
+    """Write a backup of a SQLite database, also while the service works."""
+    url = _url(database_url)
+    if make_url(url).get_backend_name() != "sqlite":
+        raise typer.BadParameter("back PostgreSQL up with its own pg_dump", param_hint="FILE")
+    with _refusing(), _opened(url, "reader") as engine:
+        backups.backup(engine, file)
+    say(f"Wrote {file}")
+
+
+def _url(database_url: str | None) -> str:
+    return database_url or Settings().store_url
+
+
+@contextmanager
+def _opened(url: str, role: Role, *, is_new: bool = False) -> Iterator[Engine]:
+    """Raises FileNotFoundError rather than make a SQLite database by looking for it."""
+    file = _sqlite_file(url)
+    if file is not None and not is_new and not file.exists():
+        raise FileNotFoundError(f"there is no database {file}")
+    engine = connect(url, role)
+    try:
+        yield engine
+    finally:
+        engine.dispose()
+
+
+@contextmanager
+def _alone(*urls: str) -> Iterator[None]:
+    """Hold the folders of SQLite databases against services; a PostgreSQL writer is held anyway."""
+    folders = {file.absolute().parent for url in urls if (file := _sqlite_file(url))}
+    with ExitStack() as held:
+        for folder in folders:
+            held.enter_context(owned(folder))
+        yield
+
+
+def _sqlite_file(url: str) -> Path | None:
+    address = make_url(url)
+    is_file = address.get_backend_name() == "sqlite" and address.database
+    return Path(str(address.database)) if is_file else None
+
+
+def _progress() -> Progress:
+    columns = (TextColumn("{task.description:16}"), BarColumn(), MofNCompleteColumn())
+    return Progress(*columns, console=Console(stderr=True), transient=True)
+
+
+@contextmanager
+def _refusing() -> Iterator[None]:
+    """Say what is wrong in a sentence and exit with code 1."""
+    try:
+        yield
+    except (*REFUSALS, SQLAlchemyError) as error:
+        said = getattr(error, "orig", None) or error
+        Console(stderr=True).print(str(said).strip(), style="red", markup=False, soft_wrap=True)
+        raise typer.Exit(1) from error

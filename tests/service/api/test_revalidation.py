@@ -1,0 +1,75 @@
+"""ETags: 304 while nothing of the sweep changed, a new answer as soon as something did."""
+
+import pytest
+from starlette.testclient import TestClient
+
+from service.api.revalidation import known_tags
+from service.store.store import Store
+from tests.service.conftest import changed
+from tests.service.training import random_return, train
+
+BODY = changed(environments=["Pendulum"])
+PARTS = ("curves", "metrics", "table", "statistics", "plot.svg?max_points=2")
+
+
+def submitted(client: TestClient) -> str:
+    return str(client.post("/api/v1/sweeps", json=BODY).json()["links"]["self"])
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_what_did_not_change_is_not_sent_again(client: TestClient, store: Store, part: str) -> None:
+    url = f"{submitted(client)}/{part}"
+    train(store, 2, lambda *_: -500.0)
+    first = client.get(url)
+    assert first.headers["etag"].startswith('W/"')
+    assert first.headers["cache-control"] == "private, no-cache"
+    again = client.get(url, headers={"If-None-Match": f'"other", {first.headers["etag"]}'})
+    assert (again.status_code, again.content) == (304, b"")
+    assert again.headers["etag"] == first.headers["etag"]
+
+
+def test_every_change_of_the_sweep_is_seen(client: TestClient, store: Store) -> None:
+    link = submitted(client)
+    tags = [client.get(f"{link}/table").headers["etag"]]
+
+    def changes() -> bool:
+        tags.append(client.get(f"{link}/table").headers["etag"])
+        return tags[-1] not in tags[:-1]
+
+    assert not changes()
+    train(store, 1, lambda *_: -500.0, finish=False)
+    assert changes(), "measurements"
+    store.record_random_return(random_return("Pendulum", -1200.0))
+    assert changes(), "the zero of the scale"
+    client.post(f"{link}/cancel")
+    assert changes(), "a run's status"
+
+
+def test_another_sweep_is_no_change(client: TestClient) -> None:
+    link = submitted(client)
+    tag = client.get(f"{link}/table").headers["etag"]
+    submitted(client)
+    assert client.get(f"{link}/table").headers["etag"] == tag
+
+
+def test_another_question_is_another_answer(client: TestClient) -> None:
+    link = submitted(client)
+    asked = [
+        client.get(f"{link}/table"),
+        client.get(f"{link}/table?normalized=false"),
+        client.get(f"{link}/table", headers={"Accept": "text/csv"}),
+        client.get(f"{link}/statistics"),
+    ]
+    assert len({response.headers["etag"] for response in asked}) == 4
+
+
+def test_refusals_are_not_kept(client: TestClient) -> None:
+    refused = client.get(f"{submitted(client)}/table?metric=nothing")
+    assert refused.status_code == 422
+    assert "etag" not in refused.headers
+    missing = client.get("/api/v1/sweeps/none/table", headers={"If-None-Match": 'W/"x"'})
+    assert missing.status_code == 404
+
+
+def test_known_tags() -> None:
+    assert known_tags('"a", W/"b"') == {'W/"a"', 'W/"b"'}

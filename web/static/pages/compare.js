@@ -1,0 +1,132 @@
+/** Two or more sweeps or runs: their curves on one axis, their settings side by side. */
+import { Legend } from "../charts/legend.js";
+import { MetricChoice } from "../charts/metric_choice.js";
+import { Panel } from "../charts/panel.js";
+import { isNormalized, question } from "../charts/question.js";
+import { address, get, refusalOf } from "../connection/api.js";
+import { follow } from "../connection/live.js";
+import { Refresh } from "../connection/refresh.js";
+import * as connection from "../connection/state.js";
+import { Controls } from "../parts/controls.js";
+import { at, element, keyed, setText } from "../parts/element.js";
+import { identities } from "../parts/identity.js";
+import { CURVE_FIELDS, flag, list, name, oneOf, View, xLabel } from "../parts/view.js";
+import { comparedRun, comparedSweep, overlaid, overlaidEntries } from "../sweep/compared.js";
+import { fillDifferences } from "../sweep/differences.js";
+
+const OFFERED = 200;
+
+const view = new View({
+  ...CURVE_FIELDS,
+  sweep: list, // ids
+  run: list, // ids
+  metric: name("return_mean"),
+  scale: oneOf("normalized", "raw"),
+  band: oneOf("std", "ci95", "iqr", "none"),
+  seeds: flag,
+  hide: list, // labels of curves
+  same: flag, // whether settings that agree are shown
+});
+/**
+ * @import { Shown } from "../charts/panel.js"
+ * @import { Compared } from "../sweep/compared.js"
+ */
+
+const same = at("same", HTMLInputElement);
+const offered = at("add", HTMLSelectElement);
+const legend = new Legend(at("legend"), view);
+const showPanels = keyed(
+  at("panels"),
+  (/** @type {Shown} */ { panel }) => panel.environment,
+  ({ panel }) => new Panel(panel.environment, view),
+);
+const showChosen = keyed(at("chosen"), ({ id }) => id, chip);
+const refresh = new Refresh(load, {
+  interval: 2000,
+  onError: (error) => connection.failed(error),
+});
+/** @type {Compared[]} */
+let compared = [];
+
+if (view.get("run").length > 0) view.set({ band: "none" }); // a single run has none
+new Controls(at("controls", HTMLFormElement), view);
+new MetricChoice(at("controls", HTMLFormElement), view);
+
+follow(address("/events"), (kind) => {
+  if (kind !== "run") refresh.request();
+});
+offerSweeps();
+view.onChange((fields) => {
+  const asked = ["metric", "scale", "x", "band", "seeds", "sweep", "run"];
+  if (fields.some((field) => asked.includes(field))) refresh.hurry();
+  else draw();
+});
+document.addEventListener("themechange", draw);
+same.checked = view.get("same");
+same.addEventListener("change", () => view.set({ same: same.checked }));
+offered.addEventListener("change", () => {
+  view.set({ sweep: [...new Set([...view.get("sweep"), offered.value])] });
+  offered.value = "";
+});
+
+/** @param {AbortSignal} signal */
+async function load(signal) {
+  const asked = [
+    ...view.get("sweep").map((id) => comparedSweep(id, question(view), signal)),
+    ...view.get("run").map((id) => comparedRun(id, question(view), signal)),
+  ];
+  try {
+    compared = await Promise.all(asked);
+  } catch (error) {
+    setText(at("missing"), refusalOf(error, 404, 422).message);
+    at("missing").hidden = false;
+    return;
+  }
+  at("missing").hidden = true;
+  draw();
+  connection.fresh();
+}
+
+function draw() {
+  const panels = overlaid(compared);
+  const known = identities(overlaidEntries(compared));
+  const axes = {
+    xLabel: xLabel(view.get("x")),
+    yLabel: isNormalized(view) ? `normalised ${view.get("metric")}` : view.get("metric"),
+    xMax: null,
+  };
+  const isEmpty = compared.length === 0;
+  at("curves").hidden = at("settings").hidden = isEmpty;
+  showChosen(compared);
+  if (isEmpty) return;
+  legend.update(known, panels);
+  showPanels(panels.map((panel) => ({ panel, known, axes })));
+  const table = at("differences", HTMLTableElement);
+  const differing = fillDifferences(table, compared, view.get("same"));
+  at("alike").hidden = differing > 0 || compared.length < 2;
+}
+
+/**
+ * @param {Compared} compared
+ * @returns {{ node: HTMLElement, update: () => void }}
+ */
+function chip({ id, name, page }) {
+  const drop = element("button", { type: "button", class: "quiet" }, "Remove");
+  drop.setAttribute("aria-label", `Remove ${name}`);
+  drop.addEventListener("click", () => {
+    const without = (/** @type {string[]} */ ids) => ids.filter((each) => each !== id);
+    view.set({ sweep: without(view.get("sweep")), run: without(view.get("run")) });
+  });
+  return { node: element("li", {}, element("a", { href: page }, name), drop), update: () => {} };
+}
+
+async function offerSweeps() {
+  try {
+    const { items } = await get("/sweeps", { limit: OFFERED });
+    offered.append(
+      ...items.map((sweep) => element("option", { value: sweep.id }, `${sweep.name} (${sweep.id})`)),
+    );
+  } catch (error) {
+    connection.refused(refusalOf(error));
+  }
+}

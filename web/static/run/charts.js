@@ -1,0 +1,152 @@
+/** The charts of one run, which share their cursor. */
+import { slicer, yScale } from "../charts/drawing.js";
+import { ChartFigure, remembersTable } from "../charts/figure.js";
+import { smooth } from "../charts/smoothing.js";
+import { element, keyed } from "../parts/element.js";
+import { algorithmColour, dashPattern } from "../parts/palette.js";
+import { xLabel } from "../parts/view.js";
+import { count, number } from "../texts/format.js";
+import { abscissa, chartsOf } from "./diagnostics.js";
+
+/**
+ * @import { CURVE_FIELDS, View } from "../parts/view.js"
+ * @import { Data } from "../charts/chart.js"
+ * @import { Curve } from "../charts/layers.js"
+ * @import { ChartOf, Columns } from "./diagnostics.js"
+ *
+ * @typedef {typeof CURVE_FIELDS} Fields
+ * @typedef {{ chart: ChartOf, run: Api.Run, columns: Columns, view: View<Fields> }} Shown
+ */
+
+export class RunCharts {
+  #view;
+  #show;
+
+  /**
+   * @param {HTMLElement} container
+   * @param {View<Fields>} view
+   */
+  constructor(container, view) {
+    this.#view = view;
+    this.#show = keyed(
+      container,
+      (/** @type {Shown} */ { chart }) => chart.title,
+      ({ chart }) => new RunChart(chart.title, view),
+    );
+  }
+
+  /**
+   * @param {Api.Run} run
+   * @param {Columns} columns
+   */
+  update(run, columns) {
+    this.#show(chartsOf(columns).map((chart) => ({ chart, run, columns, view: this.#view })));
+  }
+}
+
+class RunChart {
+  #title;
+  #figure;
+
+  /**
+   * @param {string} title
+   * @param {View<Fields>} view
+   */
+  constructor(title, view) {
+    this.#title = title;
+    const texts = { title, label: title };
+    this.#figure = new ChartFigure(texts, "run", remembersTable(view, title));
+  }
+
+  get node() {
+    return this.#figure.node;
+  }
+
+  /** @param {Shown} shown */
+  update({ chart, run, columns, view }) {
+    const data = runData(chart, run, columns, view);
+    const smoothed =
+      view.get("smoothing") > 0 ? " Bold lines are smoothed for display, the faint ones are exact." : "";
+    const texts = { caption: `${legendText(chart)}${chart.caption}${smoothed}`, abscissa: view.get("x") };
+    this.#figure.update(data, texts, {
+      isOpen: view.get("table").includes(this.#title),
+      fill: (table) => fillTable(table, chart.names, columns, view.get("x")),
+    });
+  }
+}
+
+/**
+ * Which line is which, where there are several.
+ *
+ * @param {ChartOf} chart
+ * @returns {string}
+ */
+function legendText({ names }) {
+  const styles = ["solid", "dashed", "dotted", "dash-dotted"];
+  if (names.length < 2) return "";
+  return `${names.map((name, i) => `${name} ${styles[i % styles.length]}`).join(", ")}. `;
+}
+
+/**
+ * @param {ChartOf} chart
+ * @param {Api.Run} run
+ * @param {Columns} columns
+ * @param {View<Fields>} view
+ * @returns {Data}
+ */
+function runData({ title, names }, run, columns, view) {
+  const x = abscissa(columns, view.get("x"));
+  const from = view.get("logx") ? x.findIndex((value) => value > 0) : 0;
+  const rest = slicer(from);
+  const curves = names.map((name, i) => {
+    const mean = rest(columns[name]);
+    const weight = view.get("smoothing");
+    /** @type {Curve} */
+    const drawn = {
+      label: name,
+      colour: algorithmColour(run.algorithm),
+      dash: dashPattern(i),
+      x: rest(x),
+      mean,
+      line: weight > 0 ? smooth(mean, weight) : mean,
+      n: mean.map(() => 1),
+    };
+    return weight > 0 ? { ...drawn, raw: mean } : drawn;
+  });
+  const marks = title.startsWith("Direction") ? [0, 1] : [];
+  const references = marks.map((value) => ({ value, label: "" }));
+  const max = view.get("x") === "timesteps" ? run.timesteps : null;
+  return {
+    curves,
+    references,
+    x: { label: xLabel(view.get("x")), log: view.get("logx"), max },
+    y: {
+      label: names.length === 1 ? names[0] : title.toLowerCase(),
+      anchors: marks,
+      ...yScale(curves, references, view.get("logy")),
+    },
+  };
+}
+
+/**
+ * @param {HTMLTableElement} table
+ * @param {string[]} names
+ * @param {Columns} columns
+ * @param {string} x
+ */
+function fillTable(table, names, columns, x) {
+  const steps = abscissa(columns, x);
+  const heads = [x, ...names].map((name) => element("th", { scope: "col" }, name));
+  const rows = steps.map((step, i) =>
+    element(
+      "tr",
+      {},
+      element("th", { scope: "row" }, Number.isInteger(step) ? count(step) : number(step)),
+      ...names.map((name) => element("td", {}, number(columns[name][i]))),
+    ),
+  );
+  table.replaceChildren(
+    element("thead", {}, element("tr", {}, ...heads)),
+    element("tbody", {}, ...rows),
+  );
+}

@@ -1,0 +1,60 @@
+/** A sweep in words. */
+import { count, counted, number, remaining } from "./format.js";
+
+/**
+ * "2 learners × 8 environments × 16 seeds, 20,000 timesteps", out of what was posted; "2 learners in
+ * 8 environments: 15 curves × 16 seeds" where one takes no part somewhere.
+ *
+ * @param {Api.Sweep} sweep
+ * @returns {string}
+ */
+export function summary(sweep) {
+  /** @type {Api.Request} */
+  const { algorithms, environments, seeds, timesteps, scale = 1 } = sweep.request;
+  if (!Array.isArray(algorithms) || !Array.isArray(environments)) return "";
+  const learners = algorithms.map(({ weights }) => (Array.isArray(weights) ? weights.length : 1));
+  const tasks = algorithms.map((each) => (each.environments ?? environments).length);
+  const entries = learners.reduce((sum, n) => sum + n, 0);
+  const curves = learners.reduce((sum, n, i) => sum + n * tasks[i], 0);
+  const parts = [counted(entries, "learner"), counted(environments.length, "environment")];
+  const of = counted(Array.isArray(seeds) ? seeds.length : (seeds ?? 0), "seed");
+  const isWhole = curves === entries * environments.length;
+  const product = isWhole ? parts.join(" × ") : `${parts.join(" in ")}: ${counted(curves, "curve")}`;
+  const steps = timesteps ? `, ${count(timesteps)} timesteps` : "";
+  const share = scale < 1 ? `, ${number(100 * scale)} % of the timesteps` : "";
+  return `${product} × ${of}${steps}${share}`;
+}
+
+/**
+ * Whether there is anything left to cancel.
+ *
+ * @param {Api.Sweep} sweep
+ * @returns {boolean}
+ */
+export function isActive({ runs }) {
+  return runs.queued + runs.running + runs.paused > 0;
+}
+
+/**
+ * "about 3 min left", "paused", or how it ended: "finished" only if every run did.
+ *
+ * @param {Api.Sweep} sweep
+ * @returns {string}
+ */
+export function stateText(sweep) {
+  if (sweep.status === "paused") return "paused";
+  if (isActive(sweep)) return remaining(sweep.eta_seconds);
+  const { succeeded, total } = sweep.runs;
+  const isWhole = sweep.status !== "finished" || succeeded === total;
+  return isWhole ? sweep.status : `ended, ${count(succeeded)} of ${counted(total, "run")} finished`;
+}
+
+/**
+ * ["1 diverged", "2 running"], of counts by status.
+ *
+ * @param {Record<string, number>} counts
+ * @returns {string[]}
+ */
+export function statusTexts(counts) {
+  return Object.entries(counts).map(([status, number]) => `${count(number)} ${status}`);
+}
