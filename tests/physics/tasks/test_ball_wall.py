@@ -5,15 +5,8 @@ import pytest
 
 from physics.environment import FloatArray
 from physics.randomness import generator
-from physics.tasks.ball_wall import (
-    DT,
-    FRICTION,
-    GRAVITY,
-    HEIGHT,
-    RADIUS,
-    TOUCH,
-    BallWall,
-)
+from physics.tasks.ball_motion import DT, FRICTION, GRAVITY, HEIGHT, RADIUS, TOUCH
+from physics.tasks.ball_wall import BallWall
 
 STIFFNESSES = [2e3, 1e4, 1e6]
 IDLE = np.zeros((1, 2))
