@@ -103,8 +103,9 @@ TD3 = Algorithm(
     config="algorithms.settings:TD3Config",
     memory="algorithms.memory:of_replay",
     core_seconds={
-        "MassPoint": 0.2, "CartPole": 0.2, "CartPoleSwingUp": 0.2, "Pendulum": 0.2,
-        "MountainCar": 0.2, "Acrobot": 0.2, "RollingDie": 0.2, "HalfCheetah": 0.23,
+        "MassPoint": 0.15, "CartPole": 0.15, "CartPoleSwingUp": 0.15, "Pendulum": 0.15,
+        "MountainCar": 0.15, "Acrobot": 0.16, "RollingDie": 0.16, "HalfCheetah": 0.18,
+        "Hopper": 0.18, "Walker2d": 0.2, "BallWall": 0.16,
     },
 )  # fmt: skip
 SAC = Algorithm(
@@ -151,6 +152,7 @@ _ALL = (
         core_seconds={
             "MassPoint": 0.14, "CartPole": 0.16, "CartPoleSwingUp": 0.13, "Pendulum": 0.14,
             "MountainCar": 0.13, "Acrobot": 0.17, "RollingDie": 0.15, "HalfCheetah": 0.18,
+            "Hopper": 0.23, "Walker2d": 0.28, "BallWall": 0.13,
         },
     ),
     TD3,
@@ -159,8 +161,9 @@ _ALL = (
         "hybrid-td3",
         "TD3 whose critics also fit the simulator's gradients, within bounds",
         core_seconds={
-            "MassPoint": 0.3, "CartPole": 0.3, "CartPoleSwingUp": 0.3, "Pendulum": 0.3,
-            "MountainCar": 0.3, "Acrobot": 0.33, "RollingDie": 0.32, "HalfCheetah": 0.38,
+            "MassPoint": 0.25, "CartPole": 0.25, "CartPoleSwingUp": 0.25, "Pendulum": 0.25,
+            "MountainCar": 0.25, "Acrobot": 0.27, "RollingDie": 0.27, "HalfCheetah": 0.3,
+            "Hopper": 0.32, "Walker2d": 0.35, "BallWall": 0.28,
         },
     ),
     SAC,
@@ -196,6 +199,7 @@ _ALL = (
         core_seconds={
             "MassPoint": 0.025, "CartPole": 0.023, "CartPoleSwingUp": 0.013, "Pendulum": 0.025,
             "MountainCar": 0.021, "Acrobot": 0.023, "RollingDie": 0.015, "HalfCheetah": 0.034,
+            "Hopper": 0.028, "Walker2d": 0.054, "BallWall": 0.023,
         },
     ),
     Algorithm(
@@ -207,6 +211,7 @@ _ALL = (
         core_seconds={
             "MassPoint": 0.026, "CartPole": 0.029, "CartPoleSwingUp": 0.017, "Pendulum": 0.029,
             "MountainCar": 0.028, "Acrobot": 0.033, "RollingDie": 0.029, "HalfCheetah": 0.035,
+            "Hopper": 0.032, "Walker2d": 0.047, "BallWall": 0.029,
         },
     ),
     Algorithm(

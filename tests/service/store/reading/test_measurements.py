@@ -2,7 +2,6 @@
 
 import math
 import struct
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -206,12 +205,12 @@ def test_random_returns_are_kept_per_version(store: Store, submit: Submit) -> No
     assert store.random_returns() == {("Pendulum", 1): first, ("Pendulum", 2): second}
 
 
-def test_a_sweep_is_read_at_once(store: Store) -> None:
-    """A quarter of 224,000 measurements in a quarter of a second's work (see benchmarks/store)."""
+def test_every_point_of_a_sweep_is_read(store: Store) -> None:
+    """How long that takes for a large one is measured by benchmarks/store."""
     specs = [
         RunSpec(f"learner {learner}", f"task {task}", seed)
-        for task in range(7)
-        for learner in range(8)
+        for task in range(2)
+        for learner in range(3)
         for seed in range(16)
     ]
     versions = {spec.environment: 1 for spec in specs}
@@ -220,7 +219,5 @@ def test_a_sweep_is_read_at_once(store: Store) -> None:
     while (claim := store.claim_cohort("w", LEASE)) is not None:
         store.record(claim, Progress(49_600, measurements=points, finished=tuple(range(16))))
     for metric in ("return_mean", "critic_loss"):
-        begun = time.process_time()
         curves = store.curve_points(sweep.id, metric)
-        assert time.process_time() - begun < 0.5
-        assert sum(len(curve.values) for curve in curves) == 62 * 896
+        assert sum(len(curve.values) for curve in curves) == 62 * len(specs)
