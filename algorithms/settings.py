@@ -19,6 +19,11 @@ Placebo = Annotated[
         description="of a hybrid: with the derivatives of other transitions, or with 0 for a target"
     ),
 ]
+BatchSize = Annotated[int, Field(ge=1, le=1024, description="transitions an update")]
+Gamma = Annotated[float, Field(ge=0, le=1, description="discount a step")]
+RolloutSteps = Annotated[int, Field(ge=1, le=800, description="environment steps a cycle")]
+CycleUpdates = Annotated[int, Field(ge=1, le=800, description="updates a cycle")]
+ReplaySize = Annotated[int, Field(ge=100, le=10**7, description="transitions remembered")]
 Environments = Annotated[
     int, Field(ge=1, le=256, description="environments that a run steps at once")
 ]
@@ -41,7 +46,7 @@ class DDPGConfig:
     hidden_layers: HiddenLayers = 2
     activation: ActivationName = "tanh"
     placebo: Placebo = "none"
-    batch_size: int = Field(default=64, ge=1, le=1024, description="transitions an update")
+    batch_size: BatchSize = 64
     actor_rate: float = Field(
         default=1e-4, gt=0, le=1, description="Adam's step size for the actor"
     )
@@ -50,10 +55,10 @@ class DDPGConfig:
     )
     critic_decay: float = Field(default=1e-2, ge=0, le=1, description="weight decay of the critic")
     tau: float = Field(default=0.01, gt=0, le=1, description="share that targets follow an update")
-    gamma: float = Field(default=0.99, ge=0, le=1, description="discount a step")
-    rollout_steps: int = Field(default=100, ge=1, le=800, description="environment steps a cycle")
-    cycle_updates: int = Field(default=50, ge=1, le=800, description="updates a cycle")
-    replay_size: int = Field(default=10**6, ge=100, le=10**7, description="transitions remembered")
+    gamma: Gamma = 0.99
+    rollout_steps: RolloutSteps = 100
+    cycle_updates: CycleUpdates = 50
+    replay_size: ReplaySize = 10**6
     noise: float = Field(
         default=0.2, ge=0, le=1, description="action distance that parameter noise seeks"
     )
@@ -71,7 +76,7 @@ class TD3Config:
     hidden_layers: HiddenLayers = 2
     activation: ActivationName = "tanh"
     placebo: Placebo = "none"
-    batch_size: int = Field(default=64, ge=1, le=1024, description="transitions an update")
+    batch_size: BatchSize = 64
     actor_rate: float = Field(
         default=1e-3, gt=0, le=1, description="Adam's step size for the actor"
     )
@@ -81,7 +86,7 @@ class TD3Config:
     tau: float = Field(
         default=0.005, gt=0, le=1, description="share that targets follow when the actor steps"
     )
-    gamma: float = Field(default=0.99, ge=0, le=1, description="discount a step")
+    gamma: Gamma = 0.99
     noise: float = Field(
         default=0.1, ge=0, le=1, description="standard deviation of exploration, of each action"
     )
@@ -94,9 +99,9 @@ class TD3Config:
     delay: int = Field(
         default=2, ge=1, le=100, description="updates of the critics for one of the actor"
     )
-    rollout_steps: int = Field(default=100, ge=1, le=800, description="environment steps a cycle")
-    cycle_updates: int = Field(default=100, ge=1, le=800, description="updates a cycle")
-    replay_size: int = Field(default=10**6, ge=100, le=10**7, description="transitions remembered")
+    rollout_steps: RolloutSteps = 100
+    cycle_updates: CycleUpdates = 100
+    replay_size: ReplaySize = 10**6
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -107,12 +112,12 @@ class SACConfig:
     hidden_layers: HiddenLayers = 2
     activation: ActivationName = "tanh"
     placebo: Placebo = "none"
-    batch_size: int = Field(default=64, ge=1, le=1024, description="transitions an update")
+    batch_size: BatchSize = 64
     rate: float = Field(default=3e-4, gt=0, le=1, description="Adam's step size, of every network")
     tau: float = Field(
         default=0.005, gt=0, le=1, description="share that V's target follows an update"
     )
-    gamma: float = Field(default=0.99, ge=0, le=1, description="discount a step")
+    gamma: Gamma = 0.99
     reward_scale: float = Field(
         default=5.0,
         gt=0,
@@ -122,9 +127,9 @@ class SACConfig:
     temperature: Literal["fixed", "learned"] = Field(
         default="fixed", description="fixed as in 2018, or learned for an entropy of -m as in 2019"
     )
-    rollout_steps: int = Field(default=100, ge=1, le=800, description="environment steps a cycle")
-    cycle_updates: int = Field(default=100, ge=1, le=800, description="updates a cycle")
-    replay_size: int = Field(default=10**6, ge=100, le=10**7, description="transitions remembered")
+    rollout_steps: RolloutSteps = 100
+    cycle_updates: CycleUpdates = 100
+    replay_size: ReplaySize = 10**6
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -162,7 +167,7 @@ class SHACConfig:
     critic_rate: float = Field(
         default=2e-3, gt=0, le=1, description="Adam's step size for the critic, at first"
     )
-    gamma: float = Field(default=0.99, ge=0, le=1, description="discount a step")
+    gamma: Gamma = 0.99
     trace: Trace = 0.95
     target_share: float = Field(
         default=0.2, ge=0, le=1, description="share of itself that the critic's target keeps"
@@ -187,7 +192,7 @@ class PPOConfig:
     rate: float = Field(
         default=3e-4, gt=0, le=1, description="Adam's step size, at first, of both networks"
     )
-    gamma: float = Field(default=0.99, ge=0, le=1, description="discount a step")
+    gamma: Gamma = 0.99
     trace: Trace = 0.95
     ratio_bound: float = Field(
         default=0.2, gt=0, le=10, description="change of an action's probability that pays at most"

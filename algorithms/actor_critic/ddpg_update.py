@@ -112,11 +112,9 @@ def update(
                 work.actor, (fit.critic,), work.actions, fit.target,
             )  # fmt: skip
             losses.blind(matching, fit.target)
-            report.critic_loss[u], report.gradient_loss[u] = critic.matched_fit(
-                q, work.batch, coordinates, matching, fit, q_gradient
-            )
-        else:
-            report.critic_loss[u] = critic.value_fit(q, work.batch, fit, q_gradient)
+        report.critic_loss[u], report.gradient_loss[u] = critic.fit(
+            q, work.batch, coordinates, matching, fit, q_gradient
+        )
         describe(fit.critic.out, fit.value, np.float32(1), scaling, report, u)
         actor_gradient(pi, q, work.batch.x, work.actor, fit.critic, work.actions, pi_gradient)
         optimizer.decay(learned_critic.theta, decayed, rates.critic_decay, fit.theta_gradient)

@@ -318,14 +318,9 @@ def fit_critic(
     half = gaussian.HALF
     q = Parameters(learned.theta, shapes.critic)
     result = Parameters(work.fit.theta_gradient, shapes.critic)
-    if losses.is_matched(matching):
-        value_loss, gradient_loss = critic.matched_fit(
-            q, work.batch, coordinates, matching, work.fit, result
-        )
-        report.gradient_loss[u] += half * gradient_loss
-    else:
-        value_loss = critic.value_fit(q, work.batch, work.fit, result)
+    value_loss, gradient_loss = critic.fit(q, work.batch, coordinates, matching, work.fit, result)
     report.critic_loss[u] += half * value_loss
+    report.gradient_loss[u] += half * gradient_loss
     q_mean = work.fit.critic.out.sum() / work.fit.value.size
     report.q_mean[u] += half * (scaling.value_mean + scaling.value_std * q_mean)
     norm, size = optimizer.adam(learned, work.fit.theta_gradient, step)

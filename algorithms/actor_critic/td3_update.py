@@ -216,14 +216,9 @@ def fit_critic(
     """Step one critic, add half of what it saw to the report; return its squared norms."""
     fit = work.fit
     q, result = Parameters(learned.theta, shape), Parameters(fit.theta_gradient, shape)
-    if losses.is_matched(matching):
-        value_loss, gradient_loss = critic.matched_fit(
-            q, work.batch, coordinates, matching, fit, result
-        )
-        report.gradient_loss[u] += HALF * gradient_loss
-    else:
-        value_loss = critic.value_fit(q, work.batch, fit, result)
+    value_loss, gradient_loss = critic.fit(q, work.batch, coordinates, matching, fit, result)
     report.critic_loss[u] += HALF * value_loss
+    report.gradient_loss[u] += HALF * gradient_loss
     describe(fit.critic.out, fit.value, HALF, scaling, report, u)
     norm, size = optimizer.adam(learned, fit.theta_gradient, step)
     report.critic_gradient_norm[u] += HALF * np.sqrt(norm)

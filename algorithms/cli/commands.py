@@ -48,22 +48,26 @@ def list_names() -> None:
     console.print(f"\nTasks: {', '.join(physics.names())}", soft_wrap=True, highlight=False)
 
 
+Seeds = Annotated[int, typer.Option(min=1, help="How many runs: seeds 0, 1, ...")]
+Timesteps = Annotated[int | None, typer.Option(min=1, help="Of each run; the preset's if unset.")]
+Weights = Annotated[
+    tuple[float, float] | None,
+    typer.Option(metavar="W1 W2", help="Of the gradient terms; the preset's if unset."),
+]
+Config = Annotated[
+    list[str] | None,
+    typer.Option(metavar="NAME=VALUE", help="A setting; may be given again for others."),
+]
+
+
 @app.command()
 def train(
     algorithm: Annotated[str, typer.Argument(help="As `list` shows them.")],
     environment: Annotated[str, typer.Argument(help="The task.")],
-    seeds: Annotated[int, typer.Option(min=1, help="How many runs: seeds 0, 1, ...")] = 1,
-    timesteps: Annotated[
-        int | None, typer.Option(min=1, help="Of each run; the preset's if unset.")
-    ] = None,
-    weights: Annotated[
-        tuple[float, float] | None,
-        typer.Option(metavar="W1 W2", help="Of the gradient terms; the preset's if unset."),
-    ] = None,
-    config: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAME=VALUE", help="A setting; may be given again for others."),
-    ] = None,
+    seeds: Seeds = 1,
+    timesteps: Timesteps = None,
+    weights: Weights = None,
+    config: Config = None,
     csv: Annotated[
         Path | None, typer.Option(metavar="FILE", help="A new file for every measurement.")
     ] = None,
@@ -89,18 +93,10 @@ def diagnose(
     algorithm: Annotated[
         str, typer.Option(help="What learns the policy; one that learns a policy.")
     ] = "hybrid-ddpg-robust",
-    seeds: Annotated[int, typer.Option(min=1, help="How many runs: seeds 0, 1, ...")] = 1,
-    timesteps: Annotated[
-        int | None, typer.Option(min=1, help="Of each run; the preset's if unset.")
-    ] = None,
-    weights: Annotated[
-        tuple[float, float] | None,
-        typer.Option(metavar="W1 W2", help="Of the gradient terms; the preset's if unset."),
-    ] = None,
-    config: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAME=VALUE", help="A setting; may be given again for others."),
-    ] = None,
+    seeds: Seeds = 1,
+    timesteps: Timesteps = None,
+    weights: Weights = None,
+    config: Config = None,
     csv: Annotated[
         Path | None, typer.Option(metavar="FILE", help="A new file for every number.")
     ] = None,

@@ -66,6 +66,21 @@ def join(x: Array, actions: Array, result: Array) -> None:
 
 
 @compiled_fast
+def fit(
+    q: Parameters,
+    batch: Batch,
+    coordinates: Coordinates,
+    matching: Matching,
+    work: CriticWork,
+    result: Parameters,
+) -> tuple[Any, Any]:
+    """The value loss, and the gradient loss or 0; the gradient of their sum goes to `result`."""
+    if losses.is_matched(matching):
+        return matched_fit(q, batch, coordinates, matching, work, result)
+    return value_fit(q, batch, work, result), work.value.dtype.type(0)
+
+
+@compiled_fast
 def value_fit(q: Parameters, batch: Batch, work: CriticWork, result: Parameters) -> Any:
     """The value loss; its gradient goes to `result`."""
     join(batch.x, batch.actions, work.critic.x)
