@@ -13,6 +13,7 @@ from typing import Annotated, Any
 
 import typer
 
+from algorithms import catalogue
 from service.api.schemas.sweep_answer import SweepAnswer
 from service.cli.following import follow
 from service.cli.host.own_service import data_dir, own_service
@@ -75,9 +76,9 @@ def tune(output: Output = Path("results")) -> None:
         rows += search(
             client,
             [
-                tuning.settings_sweep(task, algorithm, rows)
-                for algorithm in tuning.SETTINGS
-                for task in tuning.tasks(algorithm)
+                tuning.settings_sweep(task, name, rows)
+                for name, space in tuning.SPACES.items()
+                for task in space.tasks()
             ],
             rows,
             output,
@@ -86,10 +87,10 @@ def tune(output: Output = Path("results")) -> None:
             client,
             [
                 tuning.weights_sweep(
-                    task, hybrid, tuning.best(rows, task, tuning.baseline(hybrid)).config, rows
+                    task, hybrid, tuning.best(rows, task, catalogue.baseline(hybrid)).config, rows
                 )
                 for hybrid in tuning.PAIRS
-                for task in tuning.tasks(hybrid)
+                for task in tuning.TIMESTEPS
             ],
             rows,
             output,

@@ -1,27 +1,27 @@
-"""How the presets were chosen: sweeps over the paper's search set, two rounds a task.
+"""How the presets were chosen: sweeps over the same number of cells for every learner.
 
-1. The settings. DDPG with each noise and each decay of its critic; SAC with each reward scale.
-2. The weights. Hybrid DDPG with each pair (w1, w2) of the paper's {1, 0.1, 0.01}, and with one of
-   the two terms alone; the other two hybrids, for want of time, with equal weights and with one
-   term alone. Settings are those that round 1 found best for the algorithm that the hybrid extends:
-   the baseline has the first choice.
+1. The settings: six cells a task for each learner without gradient terms (`SPACES`).
+2. The weights: six pairs (w1, w2) a task for each hybrid of the paper's losses, under the settings
+   that round 1 found best for the algorithm that it extends (`PAIRS`).
+
+The hybrids with bounded losses (hybrid-ddpg-robust, hybrid-td3) have one pair for all tasks and
+take no part; neither does MPC, which does not learn.
 
 What is best has the largest mean, over runs, of the area under the normalised learning curve (the
 mean of its return_mean); of equals the first. A cell of which a run did not reach its end is not
-chosen. Gradient descent and MPC, which have no gradient
-terms, were tuned before this service could run them; `algorithms.presets` has what they reached.
-
-Seeds are none of the evaluation's. A cell whose outcome is known already is not run again: the
-search outlives the database and the machine that began it by its table, tuning.csv.
+chosen. A cell costs the same number of seeds and timesteps for every learner. Seeds are none of
+the evaluation's. A cell whose outcome is known already is not run again: the search outlives the
+database and the machine that began it by its table, tuning.csv.
 """
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product, starmap
+from itertools import product
 from typing import Any
 
 import numpy as np
 
+import physics
 from algorithms import catalogue
 from service.analysis.statistics.score import final_score
 from service.api.schemas.curves_answer import CurveAnswer, CurvesAnswer
@@ -30,13 +30,16 @@ from workers.messages.run_spec import NO_WEIGHTS, Weights
 SEEDS = [100, 101, 102, 103]
 
 TIMESTEPS = {
-    "CartPole": 40_000,
+    "CartPole": 30_000,
     "CartPoleSwingUp": 60_000,
     "Pendulum": 20_000,
-    "MountainCar": 40_000,
+    "MountainCar": 20_000,
     "Acrobot": 40_000,
-    "RollingDie": 40_000,
-    "HalfCheetah": 80_000,
+    "RollingDie": 30_000,
+    "HalfCheetah": 60_000,
+    "Hopper": 60_000,
+    "Walker2d": 60_000,
+    "BallWall": 30_000,
     "MassPoint": 12_000,
 }
 """Long enough to tell good settings from bad ones; the evaluation is longer."""
@@ -44,20 +47,100 @@ TIMESTEPS = {
 SOFT_TASKS = ["CartPole", "CartPoleSwingUp", "Pendulum", "MountainCar", "RollingDie"]
 """The five tasks of the paper's figure 6 (appendix A.2)."""
 
-SETTINGS: Mapping[str, Mapping[str, tuple[Any, ...]]] = {
-    "ddpg": {"noise": (0.2, 0.4, 0.6), "critic_decay": (0.01, 0.0)},
-    "sac": {"reward_scale": (0.1, 0.3, 1.0, 3.0, 10.0)},
-}
-FIXED: Mapping[str, Mapping[str, Any]] = {"HalfCheetah": {"cycle_updates": 100}}
-"""Settings of all DDPG runs in a task, found by hand."""
 
-SIZES = (1.0, 0.1, 0.01)
-ALONE = [*(Weights(w, 0.0) for w in SIZES), *(Weights(0.0, w) for w in SIZES)]
-ALIKE = [Weights(w, w) for w in SIZES]
+@dataclass(frozen=True)
+class Space:
+    """The settings searched for one learner.
+
+    Attributes:
+        algorithm: its name.
+        configs: settings to try, in the order of the search.
+        fixed: settings of every cell on a task, found by hand.
+    """
+
+    algorithm: str
+    configs: Sequence[Mapping[str, Any]]
+    fixed: Mapping[str, Mapping[str, Any]]
+
+    def on(self, environment: str) -> list[dict[str, Any]]:
+        """The settings of its cells on a task."""
+        return [{**self.fixed.get(environment, {}), **config} for config in self.configs]
+
+    def tasks(self) -> list[str]:
+        """The tasks that its algorithm can be trained on."""
+        if not catalogue.find(self.algorithm).needs_reward_gradient:
+            return list(TIMESTEPS)
+        return [task for task in TIMESTEPS if physics.make(task).reward_is_differentiable]
+
+
+def grid(**values: Sequence[Any]) -> list[dict[str, Any]]:
+    """Each combination of the values of some settings."""
+    return [dict(zip(values, chosen, strict=True)) for chosen in product(*values.values())]
+
+
+ROBOTS = ("HalfCheetah", "Hopper", "Walker2d")
+BOLD = {"critic_rate": 0.005, "noise": 1.0}
+SPACES: Mapping[str, Space] = {
+    "ddpg": Space(
+        "ddpg",
+        grid(noise=(0.2, 0.4, 0.6), critic_decay=(0.01, 0.0)),
+        {robot: {"cycle_updates": 100} for robot in ROBOTS},
+    ),
+    "td3": Space("td3", grid(noise=(0.1, 0.3, 0.6), actor_rate=(1e-3, 1e-4)), {}),
+    "sac": Space(
+        "sac", grid(temperature=("fixed",), reward_scale=(0.3, 1.0, 3.0, 10.0, 30.0, 100.0)), {}
+    ),
+    "ppo": Space(
+        "ppo",
+        [
+            {"environments": environments, "window": window, "rate": rate}
+            for environments, window in ((4, 128), (8, 256))
+            for rate in (3e-4, 1e-3, 3e-3)
+        ],
+        {},
+    ),
+    "shac": Space(
+        "shac",
+        [
+            {"environments": n, "window": window, "actor_rate": rate, **critic}
+            for n, window, rate, critic in (
+                (8, 16, 0.005, {"critic_rate": 0.002, "noise": 0.37}),
+                (8, 16, 0.005, BOLD),
+                (4, 32, 0.01, {"critic_rate": 0.002, "noise": 0.37}),
+                (4, 32, 0.002, {"critic_rate": 0.002, "noise": 0.37}),
+                (16, 32, 0.01, {"critic_rate": 0.002, "noise": 0.37}),
+                (16, 32, 0.005, BOLD),
+            )
+        ],
+        {},
+    ),
+    "gd": Space("gd", grid(rate=(0.0001, 0.0003, 0.001, 0.003, 0.01, 0.03)), {}),
+    "sac with learned temperature": Space(
+        "sac", grid(temperature=("learned",), rate=(3e-4, 1e-3, 3e-3), tau=(0.005, 0.01)), {}
+    ),
+}
+"""What is searched in round 1, by the name of the row in tables."""
+
+L2_PAIRS = [
+    Weights(1.0, 0.0),
+    Weights(0.1, 0.0),
+    Weights(1.0, 1.0),
+    Weights(0.1, 0.1),
+    Weights(0.01, 0.01),
+    Weights(1.0, 0.01),
+]
+COSINE_PAIRS = [
+    Weights(0.01, 0.01),
+    Weights(0.1, 0.1),
+    Weights(1.0, 1.0),
+    Weights(0.01, 0.0),
+    Weights(0.0, 0.01),
+    Weights(0.1, 0.0),
+]
 PAIRS: Mapping[str, Sequence[Weights]] = {
-    "hybrid-ddpg": [*starmap(Weights, product(SIZES, SIZES)), *ALONE],
-    "hybrid-sac": [*ALIKE, *ALONE],
-    "hybrid-ddpg-cosine": [*ALIKE, *ALONE],
+    "hybrid-ddpg": L2_PAIRS,
+    "hybrid-ddpg-cosine": COSINE_PAIRS,
+    "hybrid-sac": L2_PAIRS,
 }
 """The weights searched of each hybrid, in the order of the searches."""
 
@@ -83,35 +166,26 @@ class Outcome:
     sweep: str
 
 
-def baseline(algorithm: str) -> str:
-    """The algorithm whose settings it takes: what it extends, or itself."""
-    return catalogue.baseline(algorithm) or algorithm
-
-
-def tasks(algorithm: str) -> list[str]:
-    """The tasks in which an algorithm, or what it extends, is tuned."""
-    return SOFT_TASKS if baseline(algorithm) == "sac" else list(TIMESTEPS)
+def space_of(algorithm: str) -> Space:
+    """Where the settings of an algorithm, or of what it extends, come from."""
+    return SPACES[catalogue.baseline(algorithm) or algorithm]
 
 
 def settings_sweep(
-    environment: str, algorithm: str, known: Collection[Outcome] = ()
+    environment: str, name: str, known: Collection[Outcome] = ()
 ) -> dict[str, Any] | None:
-    """Round 1: an algorithm without gradient terms, with each of its settings.
+    """Round 1: a learner without gradient terms, with each of its settings.
 
     None where every outcome is known; else without the cells whose outcome is.
     """
-    grid = SETTINGS[algorithm]
-    configs = [
-        {**_fixed(environment, algorithm), **dict(zip(grid, values, strict=True))}
-        for values in product(*grid.values())
-    ]
+    space = SPACES[name]
     return _sweep(
-        f"tuning: settings of {algorithm}, {environment}",
+        f"tuning: settings of {name}, {environment}",
         environment,
         [
-            {"name": algorithm, "config": config}
-            for config in configs
-            if not _is_known(known, environment, algorithm, NO_WEIGHTS, config)
+            {"name": space.algorithm, "config": config}
+            for config in space.on(environment)
+            if not _is_known(known, environment, space.algorithm, NO_WEIGHTS, config)
         ],
     )
 
@@ -150,10 +224,6 @@ def _is_known(
     )
 
 
-def _fixed(environment: str, algorithm: str) -> Mapping[str, Any]:
-    return FIXED.get(environment, {}) if algorithm == "ddpg" else {}
-
-
 def _sweep(name: str, environment: str, algorithms: list[dict[str, Any]]) -> dict[str, Any] | None:
     if not algorithms:
         return None
@@ -173,7 +243,7 @@ def outcomes(curves: CurvesAnswer) -> list[Outcome]:
             panel.environment,
             curve.algorithm,
             curve.weights.pair,
-            _searched(panel.environment, curve.algorithm, curve.config),
+            _searched(panel.environment, curve),
             *_reached(curve, TIMESTEPS[panel.environment]),
             _decided(curve),
             curves.sweep,
@@ -196,13 +266,38 @@ def _decided(curve: CurveAnswer) -> int:
     return curve.runs - undecided
 
 
-def _searched(environment: str, algorithm: str, config: Mapping[str, Any]) -> dict[str, Any]:
+def _searched(environment: str, curve: CurveAnswer) -> dict[str, Any]:
     """The settings that round 1 gave to its runs; the others are the algorithm's defaults."""
-    searched = baseline(algorithm)
-    return {name: config[name] for name in (*SETTINGS[searched], *_fixed(environment, searched))}
+    algorithm = space_of(curve.algorithm).algorithm
+    return next(
+        config
+        for space in SPACES.values()
+        for config in space.on(environment)
+        if space.algorithm == algorithm and config.items() <= curve.config.items()
+    )
 
 
-def best(rows: Iterable[Outcome], environment: str, algorithm: str) -> Outcome:
-    """The cell of an algorithm with the largest area; raises ValueError where there is none."""
-    cells = (row for row in rows if (row.environment, row.algorithm) == (environment, algorithm))
+def best(rows: Iterable[Outcome], environment: str, name: str) -> Outcome:
+    """The cell of a hybrid or of a space with the largest area; ValueError where there is none."""
+    if name in PAIRS:
+        cells = [row for row in rows if (row.environment, row.algorithm) == (environment, name)]
+    else:
+        space = SPACES[name]
+        cells = [
+            row
+            for row in rows
+            if (row.environment, row.algorithm) == (environment, space.algorithm)
+            and row.config in space.on(environment)
+        ]
     return max(cells, key=lambda row: row.area)
+
+
+def is_whole(rows: Iterable[Outcome], environment: str, name: str) -> bool:
+    """Whether every cell of a hybrid or of a space has its outcome on a task."""
+    rows = [row for row in rows if row.runs == len(SEEDS)]
+    if name in PAIRS:
+        known = {
+            row.weights for row in rows if (row.environment, row.algorithm) == (environment, name)
+        }
+        return known >= set(PAIRS[name])
+    return settings_sweep(environment, name, rows) is None

@@ -1,12 +1,14 @@
 """The tuning's definition: every sweep can be submitted, and no seed is the evaluation's."""
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from algorithms.presets import preset
+from algorithms import catalogue
+from algorithms.presets import completed, preset
 from service.api.schemas.curves_answer import CurveAnswer, CurvesAnswer, PanelAnswer
 from service.api.schemas.run_answer import WeightsAnswer
 from service.api.schemas.sweep_request import SweepRequest
@@ -32,45 +34,56 @@ def requested(request: dict[str, Any] | None) -> SweepRequest:
     return SweepRequest(**request)
 
 
-@pytest.mark.parametrize(
-    ("hybrid", "environment"),
-    [(hybrid, task) for hybrid in tuning.PAIRS for task in tuning.tasks(hybrid)],
-)
-def test_a_search_can_be_submitted(hybrid: str, environment: str) -> None:
-    baseline = tuning.baseline(hybrid)
-    request = tuning.settings_sweep(environment, baseline)
-    settings = plan(requested(request))
-    assert all(set(tuning.SETTINGS[baseline]) <= set(cell.config) for cell in settings.cells)
-    assert request is not None
-    chosen = request["algorithms"][0]["config"]
-    weights = plan(requested(tuning.weights_sweep(environment, hybrid, chosen)))
-    pairs = {cell.weights for cell in weights.cells}
-    assert len(pairs) == (15 if hybrid == "hybrid-ddpg" else 9)
-    assert {(1.0, 0.0), (0.0, 0.01)} <= pairs
+def test_every_learner_has_six_cells_a_task() -> None:
+    """No learner has a larger budget than another; a cell costs the same seeds and timesteps."""
+    for name, space in tuning.SPACES.items():
+        for task in space.tasks():
+            settings = plan(requested(tuning.settings_sweep(task, name)))
+            assert len(settings.cells) == 6
+            chosen = space.on(task)[0]
+            for hybrid in tuning.PAIRS:
+                if catalogue.baseline(hybrid) == name:
+                    weights = plan(requested(tuning.weights_sweep(task, hybrid, chosen)))
+                    assert len({cell.weights for cell in weights.cells}) == 6
+                    assert all(chosen.items() <= cell.config.items() for cell in weights.cells)
 
 
 def test_what_is_known_is_not_run_again() -> None:
     def outcome(weights: Weights, runs: int) -> Outcome:
-        config = {"reward_scale": 3.0}
+        config = {"temperature": "fixed", "reward_scale": 3.0}
         return Outcome("Pendulum", "hybrid-sac", weights, config, 0.1, 0.2, runs, "a")
 
     known = [outcome(Weights(1.0, 0.0), 4), outcome(Weights(1.0, 1.0), 3)]
-    request = tuning.weights_sweep("Pendulum", "hybrid-sac", {"reward_scale": 3.0}, known)
-    assert len(plan(requested(request)).cells) == 8, "three runs are not an outcome yet"
-    request = tuning.weights_sweep("Pendulum", "hybrid-sac", {"reward_scale": 1.0}, known)
-    assert len(plan(requested(request)).cells) == 9
+
+    def wanted(scale: float, known: list[Outcome]) -> dict[str, Any] | None:
+        config = {"temperature": "fixed", "reward_scale": scale}
+        return tuning.weights_sweep("Pendulum", "hybrid-sac", config, known)
+
+    assert len(plan(requested(wanted(3.0, known))).cells) == 5, "three runs are not an outcome yet"
+    assert len(plan(requested(wanted(1.0, known))).cells) == 6
     everything = [outcome(pair, 4) for pair in tuning.PAIRS["hybrid-sac"]]
-    assert tuning.weights_sweep("Pendulum", "hybrid-sac", {"reward_scale": 3.0}, everything) is None
+    assert wanted(3.0, everything) is None
+    assert tuning.is_whole(everything, "Pendulum", "hybrid-sac")
+    assert not tuning.is_whole(known, "Pendulum", "hybrid-sac")
 
 
-@pytest.mark.parametrize("algorithm", [*tuning.SETTINGS, *tuning.PAIRS])
-def test_the_presets_are_what_the_recorded_search_found_best(algorithm: str) -> None:
+@pytest.mark.parametrize(
+    "name", [name for name in (*tuning.SPACES, *tuning.PAIRS) if "learned" not in name]
+)
+def test_the_presets_are_what_the_recorded_search_found_best(name: str) -> None:
+    """Of each task on which the search of this learner is whole."""
     rows = read_tuning(RESULTS)
-    searched = {row.environment for row in rows if row.algorithm == algorithm}
-    assert searched >= set(tuning.SOFT_TASKS)
-    for task in searched:
-        chosen, reached = preset(algorithm, task), best(rows, task, algorithm)
-        assert (chosen.weights, dict(chosen.config)) == (reached.weights, dict(reached.config))
+    algorithm = name if name in tuning.PAIRS else tuning.SPACES[name].algorithm
+    for task in (task for task in tuning.TIMESTEPS if tuning.is_whole(rows, task, name)):
+        chosen, reached = preset(algorithm, task), best(rows, task, name)
+        assert chosen.weights == reached.weights
+        assert completed(algorithm, task, {}).items() >= without_defaults(algorithm, reached)
+
+
+def without_defaults(algorithm: str, reached: Outcome) -> Any:
+    """The settings of a cell that are not the algorithm's defaults."""
+    defaults = asdict(catalogue.find(algorithm).config_class()())
+    return {key: value for key, value in reached.config.items() if value != defaults[key]}.items()
 
 
 def test_no_seed_of_the_tuning_is_evaluated() -> None:
@@ -79,10 +92,12 @@ def test_no_seed_of_the_tuning_is_evaluated() -> None:
 
 def test_the_first_of_the_best_is_chosen() -> None:
     rows = [
-        Outcome("Pendulum", "ddpg", Weights(), {"noise": noise}, area, 0.0, 4, "a")
-        for noise, area in ((0.2, 0.1), (0.4, 0.3), (0.6, 0.3), (0.8, float("-inf")))
+        Outcome("Pendulum", "ddpg", Weights(), config, area, 0.0, 4, "a")
+        for config, area in zip(
+            tuning.SPACES["ddpg"].on("Pendulum"), (0.1, 0.3, 0.3, float("-inf")), strict=False
+        )
     ]
-    assert best(rows, "Pendulum", "ddpg").config == {"noise": 0.4}
+    assert best(rows, "Pendulum", "ddpg") is rows[1]
     with pytest.raises(ValueError, match="empty"):
         best(rows, "Pendulum", "sac")
 
