@@ -12,7 +12,7 @@
 #
 #   make docs        build the documentation and serve it at http://127.0.0.1:8001       10 s
 #   make bench       speed beside peers (installs them)                                  an hour
-#   make paper       the paper's evaluation; goes on where it was stopped                3 core-hours
+#   make paper       the paper's evaluation; goes on where it was stopped                12 core-hours
 #   make format      format the code and mend what the linter can                        1 s
 #   make clean       remove .venv and all caches but those in the home folder            1 s
 

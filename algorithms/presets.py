@@ -6,7 +6,8 @@ your own, a hybrid has weights that hurt on none of the tasks here (`Weights.usu
 ddpg, sac and their hybrids: the best cell, by the area under the normalised curve, of the search in
 `service/paper/tuning.py`, over seeds that no evaluation uses. results/tuning.csv has every cell,
 with what it reached and its sweep. ddpg and sac have the first choice of the settings, and their
-hybrids take those. The searches are shorter than the evaluation.
+hybrids take those. sac with a learned temperature has settings of its own (`FORMS`). The searches
+are shorter than the evaluation.
 
 Weight decay keeps the critic from what CartPole, the swing-up, Acrobot and above all the cheetah
 need. The cheetah also gains from an update a step, which was found by hand. Matching the gradient
@@ -187,6 +188,27 @@ SETTINGS: Mapping[str, Mapping[str, Mapping[str, Any]]] = {
     },
 }
 
+
+@dataclass(frozen=True)
+class Form:
+    """A form of a learner: what states it, and the settings chosen for it.
+
+    Attributes:
+        name: as tables show it.
+        stated: the settings that make a run one of this form.
+        chosen: by task, in place of those of `SETTINGS`; the defaults on any other task.
+    """
+
+    name: str
+    stated: Mapping[str, Any]
+    chosen: Mapping[str, Mapping[str, Any]]
+
+
+FORMS: Mapping[str, tuple[Form, ...]] = {
+    "sac": (Form("learned temperature", {"temperature": "learned"}, {}),),
+}
+"""Of a learner and of its hybrids."""
+
 USUAL_SETTINGS: Mapping[str, Mapping[str, Any]] = {
     "shac": {"environments": 8, "window": 16, "actor_rate": 0.005},
     "ppo": {"environments": 4, "window": 128, "rate": 0.001},
@@ -289,6 +311,15 @@ def preset(algorithm: str, environment: str) -> Preset:
     )
 
 
+def form(algorithm: str, config: Mapping[str, Any]) -> Form | None:
+    """The form that settings state; None for the algorithm's own."""
+    forms = FORMS.get(catalogue.baseline(algorithm) or algorithm, ())
+    return next((one for one in forms if one.stated.items() <= config.items()), None)
+
+
 def completed(algorithm: str, environment: str, config: Mapping[str, Any]) -> dict[str, Any]:
-    """The settings of a run: those of the preset, replaced by those given."""
-    return {**preset(algorithm, environment).config, **config}
+    """The settings of a run: those of the preset, or of the form given, replaced by those given."""
+    stated = form(algorithm, config)
+    if stated is None:
+        return {**preset(algorithm, environment).config, **config}
+    return {**stated.chosen.get(environment, {}), **config}

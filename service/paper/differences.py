@@ -9,44 +9,58 @@
     evaluations  timesteps + Jacobians: a Jacobian counted as dear as a step (section 3.1)
     seconds      processor time of training (`algorithms.measurement.Measurement.seconds`)
 
-Interval: 95 % of the mean of d, percentile bootstrap over the pairs. Only runs that reached their
-end are given: pairs of which one did not are not counted.
+Only pairs count of which both runs reached their end; those that a failed or diverged run spoils
+are told.
+
+    interval               95 % of the mean of d, percentile bootstrap over the pairs, of this task
+    p                      of the sign-flip test (service.analysis.statistics.sign_flips)
+    corrected p            Holm's, over the tasks of the family, at the same cost
+    simultaneous interval  Student's t at 1 - 0.05/m, m tasks of the family: with 95 % confidence
+                           all m hold the true means at once (Bonferroni)
+
+The paper's seven tasks are a family, and those beyond them another. A task of a family that has no
+pairs yet counts as a test all the same, so that what was corrected stands when it has some.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from algorithms import catalogue
+from service.analysis.comparison import grouped
 from service.analysis.curves import Floats
+from service.analysis.statistics.holm import holm
 from service.analysis.statistics.paired_difference import area_gained
+from service.analysis.statistics.sample import Sample, sample
+from service.analysis.statistics.sign_flips import sign_flip_p
 from service.analysis.statistics.stratified_bootstrap import Estimate, draw_counts, estimate
+from service.paper.evaluation import MORE_TASKS, TASKS
+from service.paper.measured import EARLY, ENDED, Columns, MeasuredRun, Scale
 from workers.messages.run_spec import NO_WEIGHTS, Weights
-
-Columns = Mapping[str, Floats]
 
 COSTS: Mapping[str, Callable[[Columns], Floats]] = {
     "timesteps": lambda run: run["timestep"],
     "evaluations": lambda run: run["timestep"] + run["jacobians"],
     "seconds": lambda run: run["seconds"],
 }
-
-
-@dataclass(frozen=True)
-class MeasuredRun:
-    """A run with its measurements, column by column [n]."""
-
-    algorithm: str
-    environment: str
-    weights: Weights
-    seed: int
-    columns: Columns
+FAMILIES: tuple[Sequence[str], ...] = (TASKS, MORE_TASKS)
+ERROR = 0.05
+"""The probability of a false finding in a family."""
 
 
 @dataclass(frozen=True)
 class Gain:
-    """The mean of d over n pairs, `wins` of them above 0."""
+    """The mean of d over n pairs.
+
+    Attributes:
+        wins: pairs with d above 0.
+        failed: pairs that do not count because a run failed, diverged or was cancelled.
+        mean: with the interval of this task alone.
+        simultaneous: the same mean with the interval of all tasks of the family at once.
+        p: of the sign-flip test.
+        corrected_p: the same after Holm.
+    """
 
     environment: str
     algorithm: str
@@ -54,23 +68,26 @@ class Gain:
     cost: str
     n: int
     wins: int
+    failed: int
     mean: Estimate
+    simultaneous: Sample
+    p: float
+    corrected_p: float
+
+    @property
+    def verdict(self) -> str:
+        """What the corrected test says."""
+        if not self.corrected_p <= ERROR:
+            return "not told apart"
+        return "better" if self.mean.value > 0 else "behind"
 
 
-def gains(runs: Sequence[MeasuredRun], units: Mapping[str, float]) -> Iterator[Gain]:
-    """Yield the gains of every hybrid whose baseline was run; `units` by environment."""
-    cells: dict[tuple[str, str, Weights], list[MeasuredRun]] = {}
-    for run in runs:
-        cells.setdefault((run.environment, run.algorithm, run.weights), []).append(run)
-    for (environment, algorithm, weights), ours in cells.items():
-        baseline = catalogue.baseline(algorithm)
-        theirs = {run.seed: run for run in cells.get((environment, baseline, NO_WEIGHTS), ())}
-        pairs = [(run, theirs[run.seed]) for run in ours if run.seed in theirs]
-        for cost, of in COSTS.items() if pairs else ():
-            d = np.array([_difference(of, *pair) for pair in pairs]) / units[environment]
-            d = d[np.isfinite(d)]
-            wins = int((d > 0).sum())
-            yield Gain(environment, algorithm, weights, cost, d.size, wins, mean_gain(d))
+def gains(runs: Sequence[MeasuredRun], scales: Mapping[str, Scale]) -> list[Gain]:
+    """Return the gains of every hybrid whose baseline was run, task by task.
+
+    Tasks that belong to no family, as MassPoint, have none.
+    """
+    return [gain for family in FAMILIES for gain in _family(runs, scales, family)]
 
 
 def mean_gain(d: Floats) -> Estimate:
@@ -79,6 +96,53 @@ def mean_gain(d: Floats) -> Estimate:
         return Estimate(np.nan, np.nan, np.nan)
     resampled = draw_counts(d.size, stratum=0) @ d / d.size
     return estimate(float(d.mean()), resampled, is_defined=d.size > 1)
+
+
+def _family(
+    runs: Sequence[MeasuredRun], scales: Mapping[str, Scale], family: Sequence[str]
+) -> list[Gain]:
+    """Return the gains in a family's tasks, corrected for their number."""
+    cells = grouped(
+        [run for run in runs if run.environment in family and run.environment in scales],
+        lambda run: (run.environment, run.algorithm, run.weights, run.config),
+    )
+    found = [
+        gain
+        for (environment, algorithm, _, config), ours in cells.items()
+        if (baseline := catalogue.baseline(algorithm))
+        for theirs in [cells.get((environment, baseline, NO_WEIGHTS, config), [])]
+        for gain in _cell(ours, theirs, scales[environment].unit, len(family))
+    ]
+    tests = grouped(found, lambda gain: (gain.algorithm, gain.cost)).values()
+    corrected = [gain for test in tests for gain in _corrected(test, len(family))]
+    return sorted(corrected, key=lambda gain: family.index(gain.environment))
+
+
+def _corrected(gains: Sequence[Gain], tests: int) -> Iterator[Gain]:
+    """Yield the gains of a hybrid at one cost with the p corrected, for at least so many tests."""
+    corrected = holm([gain.p for gain in gains], max(tests, len(gains)))
+    for gain, p in zip(gains, corrected, strict=True):
+        yield replace(gain, corrected_p=float(p))
+
+
+def _cell(
+    ours: Sequence[MeasuredRun], theirs: Sequence[MeasuredRun], unit: float, tests: int
+) -> Iterator[Gain]:
+    """Yield the gains of a hybrid's runs over its baseline's at each cost, p not corrected yet."""
+    by_seed = {run.seed: run for run in theirs}
+    pairs = [(run, by_seed[run.seed]) for run in ours if run.seed in by_seed]
+    ended = [pair for pair in pairs if all(run.status == ENDED for run in pair)]
+    failed = sum(any(run.status in EARLY for run in pair) for pair in pairs)
+    of = ours[0]
+    for cost, spent in COSTS.items() if ended or failed else ():
+        d = np.array([_difference(spent, *pair) for pair in ended]) / unit
+        d = d[np.isfinite(d)]
+        wins, p = int((d > 0).sum()), sign_flip_p(d)
+        at_once = sample(d, 1 - ERROR / tests)
+        yield Gain(
+            of.environment, of.algorithm, of.weights, cost, d.size, wins, failed,
+            mean_gain(d), at_once, p, p,
+        )  # fmt: skip
 
 
 def _difference(

@@ -1,16 +1,22 @@
-"""The paper's evaluation: three sweeps, each with the figures that it holds.
+"""The evaluation: the paper's comparison, and the learners of today beside it, as sweeps.
 
 Settings and timesteps are the presets' (algorithms.presets). Seeds 0 ... n - 1 took no part in
-choosing them (service.paper.tuning).
+choosing them (service.paper.tuning). No run belongs to two sweeps: figure 7, of all learners in ten
+tasks, takes what the paper's figures show already from the sweeps of those.
 """
 
 from collections.abc import Mapping
 from typing import Any
 
+from algorithms.presets import form
 from service.analysis.figures.paper_figure import FigureNumber
 from service.paper.tuning import SOFT_TASKS
 
-SEEDS = 16
+SEEDS = 32
+"""Of the paper's comparison."""
+
+FEWER_SEEDS = 16
+"""Of every other sweep: most of their learners cost two to four times what ddpg costs."""
 
 TASKS = [
     "CartPole",
@@ -26,6 +32,27 @@ TASKS = [
 SMOOTH_TASKS = [task for task in TASKS if task != "Acrobot"]
 """Acrobot's reward is a constant until the end: gradient descent and MPC have nothing to go by."""
 
+MORE_TASKS = ["Hopper", "Walker2d", "BallWall"]
+"""Tasks that the paper does not have."""
+
+COMPARISON: Mapping[str, Any] = {
+    "name": "paper: all methods in all tasks",
+    "algorithms": [
+        {"name": "ddpg"},
+        {"name": "hybrid-ddpg-robust"},
+        {"name": "hybrid-ddpg"},
+        {"name": "hybrid-ddpg-cosine"},
+        {"name": "gd", "environments": SMOOTH_TASKS},
+        {"name": "mpc", "environments": SMOOTH_TASKS},
+    ],
+    "environments": TASKS,
+    "seeds": SEEDS,
+}
+"""Sections 5.2 and A.1, and the robust hybrid, which the paper does not have.
+
+The paper leaves MPC out of CartPole, Pendulum and MountainCar.
+"""
+
 CRITIC: Mapping[str, Any] = {
     "name": "paper: the critic of the mass point",
     "algorithms": [
@@ -37,38 +64,80 @@ CRITIC: Mapping[str, Any] = {
     ],
     "environments": ["MassPoint"],
     "timesteps": 75 * 800,
-    "priority": 1,
+    "seeds": FEWER_SEEDS,
 }
 """Section 3.3: 75 epochs of 800 timesteps."""
 
-COMPARISON: Mapping[str, Any] = {
-    "name": "paper: all methods in all tasks",
-    "algorithms": [
-        {"name": "ddpg"},
-        {"name": "hybrid-ddpg"},
-        {"name": "gd", "environments": SMOOTH_TASKS},
-        {"name": "mpc", "environments": SMOOTH_TASKS},
-        {"name": "hybrid-ddpg-cosine"},
-    ],
-    "environments": TASKS,
-    "priority": 2,
+TWIN: Mapping[str, Any] = {
+    "name": "today: twin critics",
+    "algorithms": [{"name": "td3"}, {"name": "hybrid-td3"}],
+    "environments": [*TASKS, *MORE_TASKS],
+    "seeds": FEWER_SEEDS,
 }
-"""Sections 5.2 and A.1. The paper leaves MPC out of CartPole, Pendulum and MountainCar."""
+
+ON_POLICY: Mapping[str, Any] = {
+    "name": "today: learning on policy",
+    "algorithms": [{"name": "ppo"}, {"name": "shac"}],
+    "environments": [*TASKS, *MORE_TASKS],
+    "seeds": FEWER_SEEDS,
+}
+
+MORE: Mapping[str, Any] = {
+    "name": "today: the comparison in three more tasks",
+    "algorithms": [
+        {key: value for key, value in algorithm.items() if key != "environments"}
+        for algorithm in COMPARISON["algorithms"]
+    ],
+    "environments": MORE_TASKS,
+    "seeds": FEWER_SEEDS,
+}
 
 SOFT: Mapping[str, Any] = {
     "name": "paper: soft actor-critic",
     "algorithms": [{"name": "sac"}, {"name": "hybrid-sac"}],
     "environments": SOFT_TASKS,
+    "seeds": FEWER_SEEDS,
 }
 """Section A.2."""
 
+MORE_SOFT: Mapping[str, Any] = {
+    "name": "today: soft actor-critic in more tasks, and with a learned temperature",
+    "algorithms": [
+        *(
+            {
+                **algorithm,
+                "environments": [
+                    task for task in (*TASKS, *MORE_TASKS) if task not in SOFT["environments"]
+                ],
+            }
+            for algorithm in SOFT["algorithms"]
+        ),
+        {"name": "sac", "config": {"temperature": "learned"}},
+    ],
+    "environments": [*TASKS, *MORE_TASKS],
+    "seeds": FEWER_SEEDS,
+}
+
+SWEEPS = (COMPARISON, CRITIC, TWIN, ON_POLICY, MORE, SOFT, MORE_SOFT)
+"""The first first: whoever has no time for all has the paper's comparison."""
+
 FIGURES: Mapping[str, tuple[FigureNumber, ...]] = {
-    CRITIC["name"]: ("2",),
     COMPARISON["name"]: ("3", "4", "5"),
+    CRITIC["name"]: ("2",),
     SOFT["name"]: ("6",),
 }
+"""What the service draws, by the sweep that it draws it from."""
 
 
 def evaluation(seeds: int = SEEDS, scale: float = 1.0) -> list[dict[str, Any]]:
-    """The sweeps to submit, for so many seeds and that share of the timesteps."""
-    return [{**sweep, "seeds": seeds, "scale": scale} for sweep in (COMPARISON, CRITIC, SOFT)]
+    """The sweeps to submit, each for at most so many seeds and for that share of the timesteps."""
+    return [
+        {**sweep, "seeds": min(seeds, sweep["seeds"]), "scale": scale, "priority": -place}
+        for place, sweep in enumerate(SWEEPS)
+    ]
+
+
+def row(algorithm: str, config: Mapping[str, Any]) -> str:
+    """The name of a learner in files and figures: its algorithm, and its form if it has one."""
+    stated = form(algorithm, config)
+    return f"{algorithm} with {stated.name}" if stated else algorithm

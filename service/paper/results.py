@@ -1,11 +1,11 @@
 """The evaluation as files: measurements, the paper's figures and table, statistics, provenance.
 
-    measurements/<environment>/<algorithm>.csv   a line a measurement; returns with all digits
-    scores.csv, random-returns.csv               service.paper.score_files
+    measurements/<environment>/<learner>.csv   a line a measurement; returns with all digits
+    scores.csv, random-returns.csv             service.paper.score_files
     figure-<n>.svg, figure-<n>.png
     table-1.csv, table-1.md
-    statistics.json                              `GET /sweeps/{id}/statistics`, by sweep
-    gains.csv                                    service.paper.differences
+    statistics.json                            `GET /sweeps/{id}/statistics`, by sweep
+    gains.csv                                  service.paper.differences
     provenance.json
 
 The figures of tables, statistics and gains follow from measurements, scores and random returns.
@@ -24,15 +24,17 @@ from typing import Any, Literal
 
 import numpy as np
 
+from service.analysis.comparison import grouped
 from service.analysis.figures.figure_form import Form
+from service.analysis.figures.paper_figure import FigureNumber
 from service.api.schemas.curves_answer import RandomReturnAnswer
 from service.api.schemas.run_answer import RunAnswer
 from service.api.schemas.sweep_answer import SweepAnswer
 from service.client import Client, ServiceError
-from service.model.environment import best_return
-from service.model.run import RunStatus
-from service.paper.differences import Gain, MeasuredRun, gains
-from service.paper.evaluation import FIGURES
+from service.paper import measured
+from service.paper.differences import gains
+from service.paper.evaluation import FIGURES, row
+from service.paper.gain_file import write_gains
 from service.paper.score_files import Row, write_random_returns, write_scores
 
 FORMS: tuple[Form, ...] = ("svg", "png")
@@ -53,8 +55,6 @@ KEPT = (
 )
 ROUNDED = {"seconds", "compile_seconds", "action_gradient_cosine", "state_gradient_cosine"}
 """Columns of which four significant digits are kept; the others' digits are all there."""
-COMPARED = ("timestep", "return_mean", "jacobians", "seconds")
-"""Columns that gains are made of."""
 
 
 @dataclass(frozen=True)
@@ -83,33 +83,37 @@ def write(client: Client, sweeps: Sequence[SweepAnswer], folder: Path) -> list[s
     """Write the evaluation's files, and return a sentence for each that could not be made."""
     folder.mkdir(parents=True, exist_ok=True)
     swept = [Swept.of(client, sweep) for sweep in sweeps]
-    compared = [one for one in swept if FIGURES[one.sweep.name] != ("2",)]  # not the critic alone
     runs = [(run, one.rows[run.id]) for one in swept for run in one.runs]
     zeros = {task: zero for one in swept for task, zero in one.zeros.items()}
     for one in swept:
-        _write_measurements(folder / "measurements", one)
-        if "4" in FIGURES[one.sweep.name]:
+        _write_measurements(folder, one)
+        if "4" in figures_of(one.sweep):
             _write_table(client, one.sweep, folder)
     write_scores(folder / "scores.csv", runs)
     write_random_returns(folder / "random-returns.csv", zeros)
-    _write_statistics(client, [one.sweep for one in compared], folder)
-    _write_gains(folder / "gains.csv", (gain for one in compared for gain in gained(one)))
+    _write_statistics(client, [one.sweep for one in swept], folder)
     _write_provenance(folder / "provenance.json", swept)
+    derive(folder)
     return [sentence for one in swept for sentence in _write_figures(client, one.sweep, folder)]
 
 
-def gained(swept: Swept) -> Iterator[Gain]:
-    """Yield what a sweep's hybrids gain, of runs at their end, by the measurements as kept."""
-    units = {
-        environment: best_return(environment) - (zero.mean if zero else np.nan)
-        for environment, zero in swept.zeros.items()
-    }
-    ended = (run for run in swept.runs if run.status is RunStatus.SUCCEEDED)
-    return gains([_as_arrays(run, swept.rows[run.id]) for run in ended], units)
+def derive(folder: Path) -> None:
+    """Write what follows from the files of measurements, scores and random returns."""
+    runs, scales = measured.read_runs(folder), measured.read_scales(folder)
+    write_gains(folder / "gains.csv", gains(runs, scales))
+
+
+def figures_of(sweep: SweepAnswer) -> tuple[FigureNumber, ...]:
+    """The figures that the service draws from a sweep."""
+    return FIGURES.get(sweep.name, ())
 
 
 def _write_statistics(client: Client, sweeps: Iterable[SweepAnswer], folder: Path) -> None:
-    found = {sweep.name: client.statistics(sweep.id).model_dump(mode="json") for sweep in sweeps}
+    found = {
+        sweep.name: client.statistics(sweep.id).model_dump(mode="json")
+        for sweep in sweeps
+        if figures_of(sweep) != ("2",)  # a critic says nothing of how well its learner does
+    }
     _write_json(folder / "statistics.json", found)
 
 
@@ -137,12 +141,10 @@ def machine() -> dict[str, Any]:
 
 
 def _write_measurements(folder: Path, swept: Swept) -> None:
-    """Write a file an algorithm and task."""
-    cells: dict[tuple[str, str], list[RunAnswer]] = {}
-    for run in swept.runs:
-        cells.setdefault((run.environment, run.algorithm), []).append(run)
-    for (environment, algorithm), members in cells.items():
-        file = folder / environment / f"{algorithm}.csv"
+    """Write a file a learner and task."""
+    cells = grouped(swept.runs, lambda run: (run.environment, row(run.algorithm, run.config)))
+    for cell, members in cells.items():
+        file = measured.measurements_file(folder, *cell)
         file.parent.mkdir(parents=True, exist_ok=True)
         with file.open("w", encoding="utf-8", newline="") as output:
             writer = csv.writer(output, lineterminator="\n")
@@ -162,7 +164,7 @@ def _rounded(name: str, value: str) -> str:
 
 
 def _write_figures(client: Client, sweep: SweepAnswer, folder: Path) -> Iterator[str]:
-    for number in FIGURES[sweep.name]:
+    for number in figures_of(sweep):
         for form in FORMS:
             try:
                 picture = client.figure(sweep.id, form, number)
@@ -176,26 +178,6 @@ def _write_table(client: Client, sweep: SweepAnswer, folder: Path) -> None:
     for form, file in TABLES.items():
         text = client.table_text(sweep.id, form, score="return_history", normalized=True)
         (folder / file).write_text(text, encoding="utf-8", newline="")
-
-
-def _write_gains(file: Path, gained: Iterable[Gain]) -> None:
-    with file.open("w", encoding="utf-8", newline="") as output:
-        writer = csv.writer(output, lineterminator="\n")
-        writer.writerow(
-            ("environment", "algorithm", "w1", "w2", "cost", "n", "wins", "mean", "low", "high")
-        )
-        writer.writerows(map(_gain_row, gained))
-
-
-def _gain_row(gain: Gain) -> tuple[object, ...]:
-    numbers = (f"{each:.5f}" for each in (gain.mean.value, gain.mean.low, gain.mean.high))
-    place = (gain.environment, gain.algorithm, *gain.weights)
-    return (*place, gain.cost, gain.n, gain.wins, *numbers)
-
-
-def _as_arrays(run: RunAnswer, rows: Sequence[Row]) -> MeasuredRun:
-    columns = {name: np.array([float(row[name]) for row in rows]) for name in COMPARED}
-    return MeasuredRun(run.algorithm, run.environment, run.weights.pair, run.seed, columns)
 
 
 def _provenance(swept: Swept) -> dict[str, Any]:

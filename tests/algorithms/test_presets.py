@@ -11,7 +11,7 @@ import algorithms
 import physics
 from algorithms import catalogue
 from algorithms.measurement import Measurement
-from algorithms.presets import WEIGHTS, completed, preset
+from algorithms.presets import FORMS, WEIGHTS, Form, completed, preset
 from tests.algorithms.other_rewards import times
 
 TASKS = [*physics.names(), "OnesOwn"]
@@ -72,6 +72,25 @@ def test_given_settings_stand_over_those_of_the_preset(
     learner: Any = algorithms.build("ddpg", "Pendulum", [0], config=given)
     config = learner._agents[0]._config
     assert {name: getattr(config, name) for name in expected} == expected
+
+
+def test_a_form_has_settings_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those of the 2018 form are not for a learned temperature; a hybrid has its baseline's."""
+    learned = Form("learned temperature", {"temperature": "learned"}, {"Pendulum": {"tau": 0.01}})
+    monkeypatch.setitem(FORMS, "sac", (learned,))
+    for name in ("sac", "hybrid-sac"):
+        assert completed(name, "Pendulum", {}) == preset("sac", "Pendulum").config
+        given = {"temperature": "learned"}
+        assert completed(name, "Pendulum", given) == {"temperature": "learned", "tau": 0.01}
+        assert completed(name, "OnesOwn", given) == given
+        assert completed(name, "Pendulum", {**given, "tau": 0.1}) == {**given, "tau": 0.1}
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_what_states_a_form_are_settings_of_its_learner(name: str) -> None:
+    for form in FORMS[name]:
+        for task in TASKS:
+            catalogue.find(name).config_class()(**completed(name, task, form.stated))
 
 
 @pytest.mark.parametrize("seeds", [np.arange(2), range(2), (0, np.int64(1)), {0, 1}])

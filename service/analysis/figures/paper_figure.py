@@ -51,7 +51,7 @@ PAPER: Mapping[FigureNumber, PaperFigure] = {
     ),
     "3": PaperFigure(
         "the die's way to the target",
-        ("hybrid-ddpg", "ddpg"),
+        ("hybrid-ddpg", "hybrid-ddpg-robust", "ddpg"),
         environment="RollingDie",
         metrics=("return_history",),
         normalized=False,
@@ -60,8 +60,8 @@ PAPER: Mapping[FigureNumber, PaperFigure] = {
         max_curves=MAX_LEARNERS,
     ),
     "4": PaperFigure(
-        "the hybrid and what it is measured by",
-        ("hybrid-ddpg", "ddpg", "mpc", "gd"),
+        "the hybrids and what they are measured by",
+        ("hybrid-ddpg", "hybrid-ddpg-robust", "ddpg", "mpc", "gd"),
         draw="service.analysis.figures.learning_figure:draw",
     ),
     "5": PaperFigure("the cosine loss", ("hybrid-ddpg-cosine", "ddpg")),

@@ -1,9 +1,9 @@
-"""A sample's mean, with its 95 % confidence interval by Student's t.
+"""A sample's mean, with its confidence interval by Student's t: 95 % unless said otherwise.
 
 mean -+ t s / sqrt(n)        s^2 = 1/(n - 1) sum_i (y_i - mean)^2
 
 y  the finite values    n  how many there are
-t  the 97.5 % quantile of Student's distribution with n - 1 degrees of freedom
+t  the quantile of Student's distribution with n - 1 degrees of freedom, 97.5 % for 95 %
 """
 
 import math
@@ -26,7 +26,7 @@ class Sample:
     high: float
 
 
-def sample(values: Floats) -> Sample:
+def sample(values: Floats, confidence: float = 0.95) -> Sample:
     """Summarise the finite ones of values [k]."""
     finite = values[np.isfinite(values)]
     n = len(finite)
@@ -34,5 +34,5 @@ def sample(values: Floats) -> Sample:
     if n < 2:
         return Sample(n, mean, math.nan, math.nan, math.nan)
     std = float(finite.std(ddof=1))
-    reach = float(stdtrit(n - 1, 0.975)) * std / math.sqrt(n)
+    reach = float(stdtrit(n - 1, (1 + confidence) / 2)) * std / math.sqrt(n)
     return Sample(n, mean, std, mean - reach, mean + reach)

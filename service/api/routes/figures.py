@@ -56,9 +56,9 @@ def get_figure(
     """Draw one of the paper's figures from the runs of this sweep.
 
     2 shows the critics of `hybrid-ddpg` and `ddpg` on MassPoint as they learn, 3 the best runs of
-    both on RollingDie. 4 shows `hybrid-ddpg`, `ddpg`, `mpc` and `gd` as far as `ddpg` goes, 5 the
-    cosine loss beside `ddpg`, 6 SAC and its hybrid: return_mean above return_history, a column a
-    task, mean and standard deviation.
+    both and of `hybrid-ddpg-robust` on RollingDie. 4 shows those, `mpc` and `gd` as far as `ddpg`
+    goes, 5 the cosine loss beside `ddpg`, 6 SAC and its hybrid: return_mean above return_history, a
+    column a task, mean and standard deviation.
     """
     figure = PAPER[number]
     views = [BandQuery(normalized=figure.normalized).view(metric) for metric in figure.metrics]

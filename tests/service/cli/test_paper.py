@@ -54,17 +54,18 @@ def test_an_evaluation_is_taken_up_and_written(
         "algorithms": [{"name": "ddpg"}, {"name": "hybrid-ddpg"}, {"name": "mpc"}],
         "environments": ["Pendulum"],
     }
-    monkeypatch.setattr(evaluation, "COMPARISON", one_task)
     soft = {**evaluation.SOFT, "environments": ["Pendulum"]}
-    monkeypatch.setattr(evaluation, "SOFT", soft)
+    learned = {"name": "sac", "config": {"temperature": "learned"}}
+    today = {**evaluation.MORE_SOFT, "environments": ["Pendulum"], "algorithms": [learned]}
+    monkeypatch.setattr(evaluation, "SWEEPS", (one_task, evaluation.CRITIC, soft, today))
     store.record_random_return(random_return("Pendulum", RANDOM))
     begun = d3pg("paper", "write", *QUICK, "-o", str(tmp_path)).stdout
-    assert f"Wrote {tmp_path}/: 0 of 18 runs reached their end." in begun.replace("\n", "")
+    assert f"Wrote {tmp_path}/: 0 of 20 runs reached their end." in begun.replace("\n", "")
     with workers(store):
         ended = d3pg("paper", *QUICK, "-o", str(tmp_path)).stdout
-    assert "18 of 18 runs reached their end." in ended
+    assert "20 of 20 runs reached their end." in ended
     assert "figure 3 is not there yet" in " ".join(ended.split()), "there are no runs for it"
-    assert len(list(service.sweeps())) == 3
+    assert len(list(service.sweeps())) == 4
 
     [sweep] = [sweep for sweep in service.sweeps() if "all methods" in sweep.name]
     [_, run] = service.runs(sweep.id, algorithm="mpc", environment="Pendulum")
@@ -89,6 +90,9 @@ def test_an_evaluation_is_taken_up_and_written(
     assert float(gain["mean"]) == pytest.approx(50 * len("hybrid-") / -RANDOM, rel=1e-4)
 
     assert gains["hybrid-sac", "timesteps"]["n"] == "2", "of another sweep, in the same table"
+    assert {file.stem for file in (tmp_path / "measurements/Pendulum").iterdir()} == {
+        "ddpg", "hybrid-ddpg", "mpc", "sac", "hybrid-sac", "sac-with-learned-temperature"
+    }  # fmt: skip
 
     scores = [
         row

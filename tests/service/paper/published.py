@@ -15,7 +15,8 @@ RESULTS = Path(__file__).parents[3] / "results"
 
 Floats = NDArray[np.float64]
 Cell = tuple[str, str, float, float]
-"""Environment, algorithm, w1, w2: one curve of the evaluation."""
+"""Environment, learner, w1, w2: one curve of the evaluation."""
+LEARNED = "sac with learned temperature"
 COLUMNS = ("timestep", "return_mean", "return_history", "jacobians", "seconds")
 
 
@@ -59,19 +60,26 @@ def runs() -> Mapping[Cell, Mapping[int, Mapping[str, str]]]:
     """The lines of scores.csv, by cell and seed."""
     found: dict[Cell, dict[int, Mapping[str, str]]] = {}
     for line in lines("scores.csv"):
-        found.setdefault(cell_of(line["environment"], line["algorithm"], line), {})[
-            int(line["seed"])
-        ] = line
+        found.setdefault(cell_of(line), {})[int(line["seed"])] = line
     return found
+
+
+def cell_of(line: Mapping[str, str]) -> Cell:
+    """Return the cell of a line that has its algorithm and settings."""
+    is_learned = json.loads(line["config"]).get("temperature") == "learned"
+    learner = LEARNED if is_learned else line["algorithm"]
+    return line["environment"], learner, float(line["w1"]), float(line["w2"])
 
 
 @cache
 def measurements() -> Mapping[Cell, Mapping[int, Mapping[str, Floats]]]:
     """Columns [n] of all runs, by cell and seed."""
+    names = {learner.replace(" ", "-"): learner for _, learner, *_ in runs()}
     rows: dict[Cell, dict[int, list[tuple[float, ...]]]] = {}
     for file in sorted((RESULTS / "measurements").glob("*/*.csv")):
         for line in lines(str(file.relative_to(RESULTS))):
-            cell = cell_of(file.parent.name, file.stem, line)
+            place = file.parent.name, names[file.stem]
+            cell = (*place, float(line["w1"]), float(line["w2"]))
             values = tuple(float(line[name]) for name in COLUMNS)
             rows.setdefault(cell, {}).setdefault(int(line["seed"]), []).append(values)
     return {
@@ -83,19 +91,20 @@ def measurements() -> Mapping[Cell, Mapping[int, Mapping[str, Floats]]]:
     }
 
 
-def cell_of(environment: str, algorithm: str, line: Mapping[str, str]) -> Cell:
-    return environment, algorithm, float(line["w1"]), float(line["w2"])
+def ended(cell: Cell) -> list[int]:
+    """Return the seeds of a cell's runs that reached their end."""
+    return sorted(seed for seed, line in runs()[cell].items() if line["status"] == "succeeded")
 
 
 def scores(cell: Cell, score: str) -> Floats:
     """Return the normalised scores of a cell's runs that reached their end [n], by seed."""
     scale = scales()[cell[0]]
-    ended = [line for line in runs()[cell].values() if line["status"] == "succeeded"]
-    raw = np.array([float(line[score]) for line in sorted(ended, key=lambda x: int(x["seed"]))])
+    raw = np.array([float(runs()[cell][seed][score]) for seed in ended(cell)])
     return (raw - scale.random) / scale.unit
 
 
-def cell(environment: str, algorithm: str) -> Cell:
-    """Return the only cell of an algorithm in a task."""
-    [found] = [each for each in runs() if each[:2] == (environment, algorithm)]
+def cell(environment: str, label: str) -> Cell:
+    """Return the only cell of a learner, by its label in a sweep, in a task."""
+    learner = LEARNED if label == 'sac temperature="learned"' else label
+    [found] = [each for each in runs() if each[:2] == (environment, learner)]
     return found

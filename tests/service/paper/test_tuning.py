@@ -1,4 +1,4 @@
-"""The tuning's definition: every sweep can be submitted, and no seed is the evaluation's."""
+"""The tuning's definition: every sweep can be submitted, and the presets are read off it."""
 
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from algorithms import catalogue
-from algorithms.presets import completed, preset
+from algorithms.presets import completed, form, preset
 from service.api.schemas.curves_answer import CurveAnswer, CurvesAnswer, PanelAnswer
 from service.api.schemas.run_answer import WeightsAnswer
 from service.api.schemas.sweep_request import SweepRequest
@@ -16,7 +16,6 @@ from service.api.submission.plan import plan as plan_in
 from service.cli.paper import read_tuning
 from service.model.plan import Plan
 from service.paper import tuning
-from service.paper.evaluation import COMPARISON, SEEDS, evaluation
 from service.paper.tuning import Outcome, best
 from workers.messages.run_spec import Weights
 
@@ -67,9 +66,7 @@ def test_what_is_known_is_not_run_again() -> None:
     assert not tuning.is_whole(known, "Pendulum", "hybrid-sac")
 
 
-@pytest.mark.parametrize(
-    "name", [name for name in (*tuning.SPACES, *tuning.PAIRS) if "learned" not in name]
-)
+@pytest.mark.parametrize("name", [*tuning.SPACES, *tuning.PAIRS])
 def test_the_presets_are_what_the_recorded_search_found_best(name: str) -> None:
     """Of each task on which the search of this learner is whole."""
     rows = read_tuning(RESULTS)
@@ -77,17 +74,15 @@ def test_the_presets_are_what_the_recorded_search_found_best(name: str) -> None:
     for task in (task for task in tuning.TIMESTEPS if tuning.is_whole(rows, task, name)):
         chosen, reached = preset(algorithm, task), best(rows, task, name)
         assert chosen.weights == reached.weights
-        assert completed(algorithm, task, {}).items() >= without_defaults(algorithm, reached)
+        stated = form(algorithm, reached.config)
+        settings = completed(algorithm, task, stated.stated if stated else {})
+        assert settings.items() >= without_defaults(algorithm, reached)
 
 
 def without_defaults(algorithm: str, reached: Outcome) -> Any:
     """The settings of a cell that are not the algorithm's defaults."""
     defaults = asdict(catalogue.find(algorithm).config_class()())
     return {key: value for key, value in reached.config.items() if value != defaults[key]}.items()
-
-
-def test_no_seed_of_the_tuning_is_evaluated() -> None:
-    assert not set(tuning.SEEDS) & set(range(SEEDS))
 
 
 def test_the_first_of_the_best_is_chosen() -> None:
@@ -155,21 +150,3 @@ def test_a_cell_with_a_run_that_did_not_end_is_not_chosen(status: str, decided: 
 
 def test_a_mean_that_is_not_known_everywhere_is_not_chosen() -> None:
     assert outcome_of(curve({}, 0.0, mean=[None, *[1.0] * 9])).area == float("-inf")
-
-
-def test_the_evaluation_has_every_method_where_it_applies() -> None:
-    comparison, critic, soft = (plan(SweepRequest(**request)) for request in evaluation(2))
-    assert {cell.timesteps for cell in critic.cells} == {60_000}
-    cells = {(cell.algorithm, cell.environment) for cell in comparison.cells}
-    assert len(cells) == len(comparison.cells) == 7 + 7 + 6 + 6 + 7
-    assert ("mpc", "Acrobot") not in cells
-    assert len(soft.cells) == 5 + 5
-    for cell in (*comparison.cells, *soft.cells):
-        assert cell.timesteps == preset(cell.algorithm, cell.environment).timesteps
-    assert set(COMPARISON["environments"]) == {cell.environment for cell in comparison.cells}
-
-
-def test_a_quick_look_takes_a_share_of_the_timesteps() -> None:
-    comparison, *_ = (plan(SweepRequest(**request)) for request in evaluation(1, scale=0.02))
-    longest = max(cell.timesteps for cell in comparison.cells)
-    assert longest <= 0.02 * 1_488_000 + 800

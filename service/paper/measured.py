@@ -1,0 +1,107 @@
+"""The runs of the evaluation as its files have them; what follows from them needs no service."""
+
+import csv
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from service.analysis.curves import Floats
+from service.paper.evaluation import row
+from workers.messages.run_spec import Weights
+
+Columns = Mapping[str, Floats]
+
+READ = ("timestep", "return_mean", "jacobians", "seconds")
+"""The columns of measurements that something follows from."""
+NOTHING: Columns = {name: np.empty(0) for name in READ}
+ENDED = "succeeded"
+EARLY = ("failed", "diverged", "cancelled")
+
+
+@dataclass(frozen=True)
+class MeasuredRun:
+    """A run with its measurements.
+
+    Attributes:
+        row: the name of its learner (`service.paper.evaluation.row`).
+        config: its settings, as JSON.
+        timesteps: that were asked for.
+        status: how it stands.
+        columns: of its measurements, each [n].
+    """
+
+    environment: str
+    algorithm: str
+    row: str
+    weights: Weights
+    config: str
+    seed: int
+    timesteps: int
+    status: str
+    columns: Columns
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Where the normalised scale of a task starts, and the length of its unit."""
+
+    random: float
+    unit: float
+
+
+def read_runs(folder: Path) -> list[MeasuredRun]:
+    """Read the runs of scores.csv with their measurements, in its order."""
+    runs = []
+    measured: dict[Path, dict[tuple[Weights, int], Columns]] = {}
+    for line in _lines(folder / "scores.csv"):
+        name = row(line["algorithm"], json.loads(line["config"]))
+        weights, seed = Weights(float(line["w1"]), float(line["w2"])), int(line["seed"])
+        file = measurements_file(folder, line["environment"], name)
+        if file not in measured:
+            measured[file] = _columns(file)
+        runs.append(
+            MeasuredRun(
+                line["environment"],
+                line["algorithm"],
+                name,
+                weights,
+                line["config"],
+                seed,
+                int(line["timesteps"]),
+                line["status"],
+                measured[file].get((weights, seed), NOTHING),
+            )
+        )
+    return runs
+
+
+def read_scales(folder: Path) -> dict[str, Scale]:
+    """Read the normalised scales of random-returns.csv, by task."""
+    return {
+        line["environment"]: Scale(
+            float(line["random"]), float(line["best"]) - float(line["random"])
+        )
+        for line in _lines(folder / "random-returns.csv")
+    }
+
+
+def measurements_file(folder: Path, environment: str, name: str) -> Path:
+    """The file of a learner's measurements in a task."""
+    return folder / "measurements" / environment / f"{name.replace(' ', '-')}.csv"
+
+
+def _columns(file: Path) -> dict[tuple[Weights, int], Columns]:
+    """Read the measurements of a file, by run."""
+    rows: dict[tuple[Weights, int], list[list[float]]] = {}
+    for line in _lines(file):
+        run = Weights(float(line["w1"]), float(line["w2"])), int(line["seed"])
+        rows.setdefault(run, []).append([float(line[name]) for name in READ])
+    return {run: dict(zip(READ, np.array(values).T, strict=True)) for run, values in rows.items()}
+
+
+def _lines(file: Path) -> Iterator[dict[str, str]]:
+    with file.open(encoding="utf-8", newline="") as text:
+        yield from csv.DictReader(text)
