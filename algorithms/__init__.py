@@ -8,21 +8,40 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from algorithms.acting.module import PolicyModule
+    from algorithms.acting.policy import TrainedPolicy
+    from algorithms.acting.policy_file import load_policy, save_policy
     from algorithms.catalogue import names
     from algorithms.diagnostics.diagnose import diagnose
     from algorithms.diagnostics.finding import Finding
     from algorithms.measurement import Measurement
     from algorithms.training import build, prepare, train
 
-__all__ = ["Finding", "Measurement", "build", "diagnose", "names", "prepare", "train"]
+__all__ = [
+    "Finding",
+    "Measurement",
+    "PolicyModule",
+    "TrainedPolicy",
+    "build",
+    "diagnose",
+    "load_policy",
+    "names",
+    "prepare",
+    "save_policy",
+    "train",
+]
 
 _HOMES = {
     "Finding": "algorithms.diagnostics.finding",
     "Measurement": "algorithms.measurement",
+    "PolicyModule": "algorithms.acting.module",
+    "TrainedPolicy": "algorithms.acting.policy",
     "build": "algorithms.training",
     "diagnose": "algorithms.diagnostics.diagnose",
+    "load_policy": "algorithms.acting.policy_file",
     "names": "algorithms.catalogue",
     "prepare": "algorithms.training",
+    "save_policy": "algorithms.acting.policy_file",
     "train": "algorithms.training",
 }
 
