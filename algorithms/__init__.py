@@ -11,17 +11,20 @@ if TYPE_CHECKING:
     from algorithms.acting.module import PolicyModule
     from algorithms.acting.policy import TrainedPolicy
     from algorithms.acting.policy_file import load_policy, save_policy
-    from algorithms.catalogue import names
+    from algorithms.catalogue import Algorithm, names
     from algorithms.diagnostics.diagnose import diagnose
     from algorithms.diagnostics.finding import Finding
     from algorithms.measurement import Measurement
-    from algorithms.training import build, prepare, train
+    from algorithms.trainer import Trainer, train
+    from algorithms.training import build, prepare
 
 __all__ = [
+    "Algorithm",
     "Finding",
     "Measurement",
     "PolicyModule",
     "TrainedPolicy",
+    "Trainer",
     "build",
     "diagnose",
     "load_policy",
@@ -32,17 +35,19 @@ __all__ = [
 ]
 
 _HOMES = {
+    "Algorithm": "algorithms.catalogue",
     "Finding": "algorithms.diagnostics.finding",
     "Measurement": "algorithms.measurement",
     "PolicyModule": "algorithms.acting.module",
     "TrainedPolicy": "algorithms.acting.policy",
+    "Trainer": "algorithms.trainer",
     "build": "algorithms.training",
     "diagnose": "algorithms.diagnostics.diagnose",
     "load_policy": "algorithms.acting.policy_file",
     "names": "algorithms.catalogue",
     "prepare": "algorithms.training",
     "save_policy": "algorithms.acting.policy_file",
-    "train": "algorithms.training",
+    "train": "algorithms.trainer",
 }
 
 

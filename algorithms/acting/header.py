@@ -11,8 +11,6 @@ from algorithms.networks.layer import EPSILON
 from algorithms.networks.scaling import CLIP
 from physics.features import FeatureMap
 
-FORMAT = 1
-
 
 @dataclass(frozen=True, config=ConfigDict(extra="forbid", allow_inf_nan=False))
 class Header:
@@ -47,7 +45,7 @@ class Header:
     action_high: float = 1.0
     feature_clip: float = float(CLIP)
     epsilon: float = float(EPSILON)
-    format: Literal[1] = FORMAT
+    format: Literal[1] = 1
 
     @property
     def feature_map(self) -> FeatureMap:

@@ -56,16 +56,14 @@ class PolicyModule(nn.Module):
 def hidden_parts(layer: Layer, policy: TrainedPolicy) -> list[nn.Module]:
     """A hidden layer: product, layer normalisation, activation."""
     norm = nn.LayerNorm(layer.bias.size, policy.header.epsilon)
-    with torch.no_grad():
-        norm.weight.copy_(torch.tensor(layer.gain))
-        norm.bias.copy_(torch.tensor(layer.shift))
+    norm.weight = nn.Parameter(torch.tensor(layer.gain))
+    norm.bias = nn.Parameter(torch.tensor(layer.shift))
     return [linear(layer.weight, layer.bias), norm, ACTIVATIONS[policy.header.activation]()]
 
 
 def linear(weight: Array, bias: Array) -> nn.Linear:
     """A product with `weight [inputs, outputs]`."""
-    made: nn.Linear = nn.utils.skip_init(nn.Linear, *weight.shape)  # draws no random numbers
-    with torch.no_grad():
-        made.weight.copy_(torch.tensor(weight.T))
-        made.bias.copy_(torch.tensor(bias))
+    made = nn.Linear(*weight.shape, device="meta")  # draws no random numbers
+    made.weight = nn.Parameter(torch.tensor(weight.T))
+    made.bias = nn.Parameter(torch.tensor(bias))
     return made

@@ -4,6 +4,7 @@ import gymnasium
 import numpy as np
 import pytest
 import torch
+from numpy.typing import ArrayLike
 
 import algorithms
 import physics
@@ -20,6 +21,10 @@ CASES = [
 ]
 
 
+def assert_close(actions: ArrayLike, expected: ArrayLike) -> None:
+    np.testing.assert_allclose(np.asarray(actions), np.asarray(expected), rtol=0, atol=ROUNDING)
+
+
 @pytest.mark.parametrize(("name", "environment", "config"), CASES)
 def test_numpy_torch_and_evaluation_agree(
     name: str, environment: str, config: dict[str, int | str]
@@ -31,16 +36,15 @@ def test_numpy_torch_and_evaluation_agree(
     actions = policy.act(features)
     assert actions.dtype == np.float32
     assert np.ptp(actions) > 0
-    agrees = {"rtol": 0, "atol": ROUNDING}
-    np.testing.assert_allclose(actions, evaluated(learner, features), **agrees)
+    assert_close(actions, evaluated(learner, features))
     np.testing.assert_array_equal(policy.act_in(states), actions)
-    np.testing.assert_allclose(policy.act(features[7]), actions[7], **agrees)
-    np.testing.assert_allclose(policy.act_in(states[7]), actions[7], **agrees)
+    assert_close(policy.act(features[7]), actions[7])
+    assert_close(policy.act_in(states[7]), actions[7])
     of_features = algorithms.PolicyModule(policy)
     of_states = algorithms.PolicyModule(policy, takes="states")
     with torch.no_grad():
-        np.testing.assert_allclose(of_features(torch.tensor(features)), actions, **agrees)
-        np.testing.assert_allclose(of_states(torch.tensor(states)), actions, **agrees)
+        assert_close(of_features(torch.tensor(features)), actions)
+        assert_close(of_states(torch.tensor(states)), actions)
 
 
 def test_the_module_is_differentiable_and_draws_no_random_numbers() -> None:
