@@ -8,22 +8,46 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from algorithms.catalogue import names
+    from algorithms.acting.module import PolicyModule
+    from algorithms.acting.policy import TrainedPolicy
+    from algorithms.acting.policy_file import load_policy, save_policy
+    from algorithms.catalogue import Algorithm, names
     from algorithms.diagnostics.diagnose import diagnose
     from algorithms.diagnostics.finding import Finding
     from algorithms.measurement import Measurement
-    from algorithms.training import build, prepare, train
+    from algorithms.trainer import Trainer, train
+    from algorithms.training import build, prepare
 
-__all__ = ["Finding", "Measurement", "build", "diagnose", "names", "prepare", "train"]
+__all__ = [
+    "Algorithm",
+    "Finding",
+    "Measurement",
+    "PolicyModule",
+    "TrainedPolicy",
+    "Trainer",
+    "build",
+    "diagnose",
+    "load_policy",
+    "names",
+    "prepare",
+    "save_policy",
+    "train",
+]
 
 _HOMES = {
+    "Algorithm": "algorithms.catalogue",
     "Finding": "algorithms.diagnostics.finding",
     "Measurement": "algorithms.measurement",
+    "PolicyModule": "algorithms.acting.module",
+    "TrainedPolicy": "algorithms.acting.policy",
+    "Trainer": "algorithms.trainer",
     "build": "algorithms.training",
     "diagnose": "algorithms.diagnostics.diagnose",
+    "load_policy": "algorithms.acting.policy_file",
     "names": "algorithms.catalogue",
     "prepare": "algorithms.training",
-    "train": "algorithms.training",
+    "save_policy": "algorithms.acting.policy_file",
+    "train": "algorithms.trainer",
 }
 
 

@@ -237,12 +237,14 @@ def names() -> list[str]:
     return [*OWN, *sorted(others)]
 
 
-def find(name: str) -> Algorithm:
-    """The algorithm of that name.
+def find(name: str | Algorithm) -> Algorithm:
+    """The algorithm of that name; an algorithm that is no name is itself.
 
     Raises:
         ValueError: for an unknown name; it names the nearest known one.
     """
+    if isinstance(name, Algorithm):
+        return name
     if name in OWN:
         return OWN[name]
     for entry in entry_points(group=GROUP):

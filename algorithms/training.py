@@ -1,84 +1,46 @@
-"""Train: one algorithm on one task, from Python.
-
-for m in train("hybrid-ddpg", "Pendulum", seeds=range(16), timesteps=20_000):
-    print(m.seed, m.timestep, m.return_mean)
-"""
+"""Training: from names and values to a learner, all of them checked."""
 
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from functools import partial
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from operator import index
 from typing import Any
 
 import physics
 from algorithms import catalogue
 from algorithms.catalogue import Algorithm
-from algorithms.early_end import DivergedError, Divergence, FailedRunsError, Failure
 from algorithms.learner import Learner
-from algorithms.measurement import Measurement
 from algorithms.presets import LARGEST_WEIGHT, SMALLEST_WEIGHT, completed, preset
 from physics.environment import Environment
-from physics.kernels.compile_notice import noticed
 
 
-def train(
-    algorithm: str,
-    environment: str,
-    seeds: Iterable[int],
-    weights: tuple[float, float] | None = None,
-    timesteps: int | None = None,
-    config: Mapping[str, Any] | None = None,
-) -> Iterator[Measurement]:
-    """Train a cohort of runs, yielding each measurement as it is made.
+@dataclass(frozen=True)
+class Prepared:
+    """A cohort of runs that may be built: every argument was checked."""
 
-    Args:
-        algorithm: a name of `algorithms.names()`.
-        environment: a name of `physics.names()`.
-        seeds: one run each, all different, from 0 on; a sequence or an array of integers.
-        weights: (w1, w2), of the action and state gradient terms; None: the preset's. A hybrid with
-            (0, 0) is its baseline, bit for bit, and a warning says so.
-        timesteps: environment steps of each run; None: the preset's.
-        config: settings that replace those of the preset; all others are the algorithm's defaults.
+    algorithm: Algorithm
+    environment: Environment
+    seeds: Sequence[int]
+    weights: tuple[float, float]
+    timesteps: int
+    config: Any
+    """The settings, of the algorithm's own class."""
 
-    Raises:
-        ValueError: for an unknown name or an invalid value; it says what was expected.
-        DivergedError: at the end, if runs diverged; the others were trained to their end.
-        FailedRunsError: at the end, if code raised in some runs; the others were trained to theirs.
+    def __call__(self) -> Learner:
+        """Build the learner; this may compile kernels."""
+        learner: Learner = self.algorithm.load()(
+            self.environment, self.seeds, self.weights, self.timesteps, self.config
+        )
+        return learner
 
-    The first use on a machine compiles kernels, and says so on stderr.
-    """
-    measurements = _measurements(algorithm, environment, seeds, weights, timesteps, config)
-    return noticed(measurements, f"{algorithm} on {environment}")
-
-
-def _measurements(
-    algorithm: str,
-    environment: str,
-    seeds: Iterable[int],
-    weights: tuple[float, float] | None,
-    timesteps: int | None,
-    config: Mapping[str, Any] | None,
-) -> Iterator[Measurement]:
-    learner = build(algorithm, environment, seeds, weights, timesteps, config)
-    divergences: list[Divergence] = []
-    failures: list[Failure] = []
-    while not learner.finished:
-        for event in learner.advance():
-            match event:
-                case Measurement():
-                    yield event
-                case Divergence():
-                    divergences.append(event)
-                case Failure():
-                    failures.append(event)
-    if failures:
-        raise FailedRunsError(failures, divergences)
-    if divergences:
-        raise DivergedError(divergences)
+    @property
+    def title(self) -> str:
+        """What is trained, in words."""
+        return f"{self.algorithm.name} on {self.environment.name}"
 
 
 def build(
-    algorithm: str,
+    algorithm: str | Algorithm,
     environment: str,
     seeds: Iterable[int],
     weights: tuple[float, float] | None = None,
@@ -90,32 +52,32 @@ def build(
 
 
 def prepare(
-    algorithm: str,
+    algorithm: str | Algorithm,
     environment: str,
     seeds: Iterable[int],
     weights: tuple[float, float] | None = None,
     timesteps: int | None = None,
     config: Mapping[str, Any] | None = None,
-) -> Callable[[], Learner]:
-    """Check the arguments and return a function that builds the learner.
+) -> Prepared:
+    """Check the arguments; calling what this returns builds the learner.
 
-    Same arguments and ValueError as `train`. Only the returned function may compile kernels.
+    Same arguments and ValueError as `train`. Nothing is compiled before that call.
     """
     chosen, task = catalogue.find(algorithm), physics.make(environment)
-    usual = preset(algorithm, environment)
+    usual = preset(chosen.name, environment)
     steps = usual.timesteps if timesteps is None else timesteps
     pair = usual.weights if weights is None else weights
-    settings = chosen.config_class()(**completed(algorithm, environment, config or {}))
+    settings = chosen.config_class()(**completed(chosen.name, environment, config or {}))
     check_pair(chosen, task)
     numbers, steps = seed_numbers(seeds), step_number(steps)
     check_weights(chosen, pair)
     if chosen.extends and not any(pair):
         warnings.warn(
-            f"{algorithm} with weights (0, 0) matches no gradients: "
+            f"{chosen.name} with weights (0, 0) matches no gradients: "
             f"it is {chosen.extends}, bit for bit",
             stacklevel=2,
         )
-    return partial(chosen.load(), task, numbers, pair, steps, settings)
+    return Prepared(chosen, task, numbers, pair, steps, settings)
 
 
 def check_pair(algorithm: Algorithm, environment: Environment) -> None:

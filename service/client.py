@@ -21,11 +21,12 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Literal, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar
 
 import httpx2
 from pydantic import BaseModel
 
+import algorithms
 from service.address import is_on_loopback, url_of
 from service.analysis.figures.figure_form import Form
 from service.analysis.figures.paper_figure import FigureNumber
@@ -42,6 +43,9 @@ from service.api.schemas.sweep_answer import DryRunAnswer, SweepAnswer
 from service.api.schemas.sweep_request import SweepRequest
 from service.model.move import Move
 from service.model.run_name import is_run
+
+if TYPE_CHECKING:
+    from algorithms.acting.policy import TrainedPolicy
 
 API = "/api/v1"
 
@@ -287,6 +291,20 @@ class Client:
     def rollout(self, run_id: str, seed: int = 0) -> RolloutAnswer:
         """An episode of a run's learned policy, from the start that the task draws for `seed`."""
         return self._get(RolloutAnswer, f"/runs/{run_id}/rollout", seed=seed)
+
+    def policy(self, run_id: str) -> TrainedPolicy:
+        """What a run has learned, to act with (`algorithms.TrainedPolicy`).
+
+        It is that of the last checkpoint, or of the run's end. This call loads numba.
+
+        Raises:
+            ServiceError: while the run has no policy; `mpc` learns none.
+        """
+        return algorithms.load_policy(self.policy_file(run_id))
+
+    def policy_file(self, run_id: str) -> bytes:
+        """The same as the content of a file, a NumPy archive (`.npz`)."""
+        return self._call("GET", f"/runs/{run_id}/policy").content
 
     def readiness(self) -> ReadinessAnswer:
         """The state of database and cluster (`/readyz`), whether they are ready or not."""

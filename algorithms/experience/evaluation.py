@@ -1,5 +1,7 @@
 """Evaluation: the undiscounted return of one episode of a deterministic policy."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,6 +11,15 @@ from algorithms.networks.policy import Policies
 from physics.environment import Environment
 
 FloatArray = NDArray[np.float64]
+
+
+class Played(NamedTuple):
+    """An episode of each policy."""
+
+    returns: FloatArray
+    """[K], undiscounted."""
+    steps: NDArray[np.int64]
+    """[K]"""
 
 
 def episode_returns(
@@ -21,8 +32,16 @@ def episode_returns(
     Returns:
         The returns, void for policies that failed; and how these failed.
     """
+    played, failures = play(environment, policies, starts)
+    return played.returns, failures
+
+
+def play(
+    environment: Environment, policies: Policies, starts: FloatArray
+) -> tuple[Played, Failures]:
+    """The same with the number of steps that each episode had."""
     states = starts
-    returns = np.zeros(len(starts))
+    returns, steps = np.zeros(len(starts)), np.zeros(len(starts), np.int64)
     running = np.ones(len(starts), np.bool_)
     failures: Failures = {}
     for _ in range(environment.horizon):
@@ -33,10 +52,11 @@ def episode_returns(
             break
         with np.errstate(over="ignore"):
             returns[running] += transition.reward[running]
+        steps += running
         running &= ~transition.terminated
         if not running.any():
             break
         states = np.where(running[:, None], transition.next_state, states)
     for k in np.flatnonzero(~np.isfinite(returns)):
         failures.setdefault(int(k), NotFiniteQuantityError("return"))
-    return returns, failures
+    return Played(returns, steps), failures

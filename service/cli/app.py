@@ -23,6 +23,7 @@ from service.cli.host.doctor import doctor
 from service.cli.host.serving import serve
 from service.cli.listing import ls, show
 from service.cli.moving import command_of
+from service.cli.policies import policy
 from service.cli.rolling import rollout
 from service.cli.submitting import submit
 from service.cli.terminal import AsJson, console, say
@@ -40,7 +41,7 @@ app.add_typer(db.app)
 app.add_typer(paper.app)
 COMMANDS: tuple[Callable[..., None], ...] = (
     serve, submit, ls, show, watch, *map(command_of, TRANSITIONS), export, table, plot, rollout,
-    verify, doctor,
+    policy, verify, doctor,
 )  # fmt: skip
 for command in COMMANDS:
     app.command()(command)

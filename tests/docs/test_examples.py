@@ -5,6 +5,7 @@ import subprocess
 import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -12,7 +13,7 @@ import algorithms
 from algorithms.measurement import Measurement
 from tests.docs.pages import PAGES, ROOT, blocks, name_of
 
-AS_SHOWN = ("docs/diagnostics.md", "docs/gymnasium.md", "docs/simulators.md")
+AS_SHOWN = ("docs/diagnostics.md", "docs/gymnasium.md", "docs/policies.md", "docs/simulators.md")
 SHORTENED = ("README.md", "docs/training.md")
 ELSEWHERE = {
     "docs/add-a-learner.md": "tests/algorithms/test_add_a_learner.py",
@@ -50,12 +51,12 @@ def test_training_runs_for_fewer_seeds_and_timesteps(
     train = algorithms.train
 
     def shortened(
-        algorithm: str, environment: str, seeds: Iterable[int], weights: tuple[float, float]
+        algorithm: str, environment: str, seeds: Iterable[int], **options: Any
     ) -> Iterator[Measurement]:
-        return train(algorithm, environment, list(seeds)[:2], weights, timesteps=800)
+        return train(algorithm, environment, list(seeds)[:2], **options, timesteps=800)
 
     monkeypatch.setattr(algorithms, "train", shortened, raising=False)
-    (shown,) = blocks(ROOT / document, "python")
+    shown = "".join(blocks(ROOT / document, "python"))
     exec(compile(shown, document, "exec"), {})  # noqa: S102
     assert [line.split()[:2] for line in capsys.readouterr().out.splitlines()] == [
         ["0", "800"],

@@ -54,6 +54,15 @@ def test_the_die_is_played_and_scrubbed(signed_in: Page, live: LiveService) -> N
     assert violations(signed_in) == []
 
 
+def test_the_policy_is_downloaded(signed_in: Page, live: LiveService) -> None:
+    opened(signed_in, live, "Pendulum")
+    (run,) = re.findall(r"/runs/([\w-]+)", signed_in.url)
+    link = signed_in.get_by_role("link", name="Download the policy")
+    expect(link).to_be_visible()
+    assert link.get_attribute("href") == f"/api/v1/runs/{run}/policy"
+    assert violations(signed_in) == []
+
+
 def test_the_critic_of_the_mass_point_is_shown(signed_in: Page, live: LiveService) -> None:
     opened(signed_in, live, "MassPoint")
     surface = signed_in.locator("#surface")

@@ -64,7 +64,7 @@ def list_runs(
 
 @router.get("/runs/{run_id}")
 def get_run(run: TheRun, label: TheLabel, checkpoints: TheCheckpoints) -> RunAnswer:
-    """Show a run; its links have `rollout` where it has learned something to act with."""
+    """Show a run; links have `rollout` and `policy` where it has learned something to act with."""
     answer = RunAnswer.of(run, label)
     try:
         can_act = has_policy(checkpoints, run.id)
@@ -72,7 +72,8 @@ def get_run(run: TheRun, label: TheLabel, checkpoints: TheCheckpoints) -> RunAns
         log.warning("whether a run has a policy cannot be seen", reason=trouble.strerror)
         can_act = False
     if can_act:
-        answer.links["rollout"] = f"{answer.links['self']}/rollout"
+        for name in ("rollout", "policy"):
+            answer.links[name] = f"{answer.links['self']}/{name}"
     return answer
 
 

@@ -49,6 +49,7 @@ document.addEventListener("themechange", draw);
 at("cancel").addEventListener("click", () => act(cancelRun));
 at("retry").addEventListener("click", () => act(retryRun));
 at("download-json", HTMLAnchorElement).href = address(`/runs/${id}/measurements`);
+at("download-policy", HTMLAnchorElement).href = address(`/runs/${id}/policy`);
 at("download-csv", HTMLAnchorElement).href = address(`/runs/${id}/measurements`, { format: "csv" });
 
 /** @param {AbortSignal} signal */

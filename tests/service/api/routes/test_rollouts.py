@@ -1,7 +1,5 @@
 """Rollouts over REST: a trained policy's episode, and when there is none."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from fastapi import FastAPI
@@ -9,7 +7,6 @@ from starlette.testclient import TestClient
 
 import physics
 from service.api.schemas.rollout_answer import RolloutAnswer
-from service.api.side_process import BusyError
 from service.settings import Settings
 from tests.service.conftest import changed
 from tests.workers.policies.test_rollout import write_policy
@@ -68,32 +65,6 @@ def test_a_bad_start_is_refused(
     assert reason in refusal.json()["detail"]
 
 
-def test_no_policy_yet_is_a_conflict(client: TestClient) -> None:
-    refusal = client.get(f"/api/v1/runs/{unlearned(client)}/rollout")
-    assert refusal.status_code == 409
-    assert "(queued) has no policy" in refusal.json()["detail"]
-
-
-def test_a_damaged_policy_is_said(client: TestClient, run: str, settings: Settings) -> None:
-    (file,) = (each for each in Path(settings.checkpoint_place).rglob("policy") if each.is_file())
-    file.write_bytes(file.read_bytes()[:-1])
-    refusal = client.get(f"/api/v1/runs/{run}/rollout")
-    assert refusal.status_code == 409
-    assert "cannot be read" in refusal.json()["detail"]
-
-
-def test_where_its_place_cannot_be_had_it_says_why(
-    app: FastAPI, client: TestClient, run: str, bucket: str
-) -> None:
-    app.state.checkpoints = bucket.replace("d3pg", "no-such-bucket")
-    refusal = client.get(f"/api/v1/runs/{run}/rollout")
-    assert refusal.status_code == 503
-    assert "make it, or name another with D3PG_CHECKPOINTS" in refusal.json()["detail"]
-    shown = client.get(f"/api/v1/runs/{run}")
-    assert shown.status_code == 200
-    assert "rollout" not in shown.json()["links"]
-
-
 def test_a_policy_in_a_bucket_is_played(app: FastAPI, client: TestClient, bucket: str) -> None:
     run = unlearned(client)
     write_policy(f"{bucket}/lab", run, "Pendulum")
@@ -103,17 +74,4 @@ def test_a_policy_in_a_bucket_is_played(app: FastAPI, client: TestClient, bucket
 
 
 def test_an_unknown_run_is_not_there(client: TestClient) -> None:
-    assert client.get("/api/v1/runs/nobody-1/rollout").status_code == 404
     assert client.post(LINK, json={"run": "nobody-1", "start": [0.0]}).status_code == 404
-
-
-def test_when_too_many_wait_it_says_so(
-    app: FastAPI, client: TestClient, run: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def busy(*_: object) -> None:
-        raise BusyError("16 others wait already")
-
-    monkeypatch.setattr(app.state.side, "call", busy)
-    refusal = client.get(f"/api/v1/runs/{run}/rollout")
-    assert refusal.status_code == 503
-    assert "16 others wait" in refusal.json()["detail"]

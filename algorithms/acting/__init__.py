@@ -1,0 +1,1 @@
+"""Trained policies outside training: as files, in numpy and in torch."""

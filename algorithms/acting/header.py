@@ -1,0 +1,57 @@
+"""Header: what a policy's file says in words beside its arrays."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, field
+from typing import Any, Literal
+
+from pydantic import ConfigDict
+from pydantic.dataclasses import dataclass
+
+from algorithms.networks.layer import EPSILON
+from algorithms.networks.scaling import CLIP
+from physics.features import FeatureMap
+
+
+@dataclass(frozen=True, config=ConfigDict(extra="forbid", allow_inf_nan=False))
+class Header:
+    """The task that a policy acts in, and how its arrays make an action.
+
+    Attributes:
+        task: the name of the task.
+        task_version: the version that the policy was trained in.
+        state_size: n, the coordinates of a state.
+        angles: coordinate -> multiplicity k; its features are cos(k theta), sin(k theta).
+        hidden: coordinates without a feature.
+        action_size: m.
+        activation: "tanh", "elu", "silu" or "relu", of hidden units.
+        hidden_units: how many there are in each hidden layer.
+        origin: where the policy comes from: algorithm, seed, timestep, weights, config, run.
+        action_low, action_high: the box of the actions.
+        feature_clip: normalised features are clipped to [-feature_clip, feature_clip].
+        epsilon: what layer normalisation adds to variances.
+        format: of the file.
+    """
+
+    task: str
+    task_version: int
+    state_size: int
+    angles: dict[int, int]
+    hidden: list[int]
+    action_size: int
+    activation: Literal["tanh", "elu", "silu", "relu"]
+    hidden_units: list[int]
+    origin: Mapping[str, Any] = field(default_factory=dict)
+    action_low: float = -1.0
+    action_high: float = 1.0
+    feature_clip: float = float(CLIP)
+    epsilon: float = float(EPSILON)
+    format: Literal[1] = 1
+
+    @property
+    def feature_map(self) -> FeatureMap:
+        """How features follow from a state."""
+        return FeatureMap(self.state_size, self.angles, tuple(self.hidden))
+
+    def document(self) -> dict[str, Any]:
+        """Plain values."""
+        return asdict(self)

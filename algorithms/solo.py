@@ -1,0 +1,211 @@
+"""Solo: runs that act and learn each by itself, the shortest way to a learner of your own.
+
+A `SoloRun` is one seed. Its author writes how it begins, explores and improves. Counting,
+measuring, saving, restoring, snapshots, and errors that end one run alone are the same for all.
+
+    for each update:   lived = explore()        takes episodes and counts their steps
+                       (measurements that come due are of the policy as it is here)
+                       improve(lived)           changes theta
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any, ClassVar, Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from algorithms.early_end import NotFiniteQuantityError
+from algorithms.experience.evaluation import play
+from algorithms.experience.rollout import start_states
+from algorithms.failing_rows import found
+from algorithms.history import History
+from algorithms.measurement import Measurement
+from algorithms.networks.policy import Policies, Policy, deterministic
+from algorithms.networks.shape import HiddenSettings, parameter_size, shape_of
+from algorithms.on_policy.learner import OnPolicyLearner
+from algorithms.snapshot import Snapshot, inside
+from algorithms.state import State, fill, part, within
+from physics.environment import Environment
+from physics.randomness import generator
+
+Config = TypeVar("Config", bound=HiddenSettings)
+
+
+class SoloRun(ABC, Generic[Config]):
+    """One run; see `algorithms.on_policy.learner.Run`.
+
+    Attributes:
+        learned: names of the attributes that the next bits depend on, arrays and numbers. They are
+            saved in checkpoints.
+        theta: float32 [P], the parameters of the actor, a network of the shape `shape`.
+        environment, seed, config: as the run was given them.
+        timestep: environment steps so far; `explore` counts them.
+        jacobians: Jacobians so far; `explore` counts them, if it needs any.
+        updates: calls of `improve` so far.
+    """
+
+    learned: ClassVar[Sequence[str]] = ("theta",)
+    theta: NDArray[np.float32]
+
+    def __init__(self, environment: Environment, seed: int, timesteps: int, config: Config) -> None:
+        """Begin a run of so many timesteps."""
+        self.environment, self.seed, self.config = environment, seed, config
+        self.shape = shape_of(environment.feature_size, environment.action_size, config)
+        self.history = History(seed, timesteps)
+        self.timestep = self.jacobians = self.updates = 0
+        self._timesteps = timesteps
+        self._episodes = self._counted = 0
+        self.begin()
+
+    @abstractmethod
+    def begin(self) -> None:
+        """Set theta, and every other attribute of `learned`."""
+
+    @abstractmethod
+    def explore(self) -> Any:
+        """Act for some episodes, and return what `improve` is to learn from."""
+
+    @abstractmethod
+    def improve(self, lived: Any) -> None:
+        """Change theta by what `explore` returned."""
+
+    def diagnostics(self) -> dict[str, float]:
+        """Further numbers of a measurement, by name."""
+        return {}
+
+    def random(self, purpose: str, index: int = 0) -> np.random.Generator:
+        """The generator of this seed, for a purpose in words and a number of the draw."""
+        return generator(self.seed, purpose, index)
+
+    def returns_of(self, thetas: NDArray[np.float32]) -> NDArray[np.float64]:
+        """The returns [K] of actors [K, P]: an episode of each, from the same new start state.
+
+        The episodes' steps are counted.
+        """
+        starts, unborn = start_states(
+            self.environment, [(self.seed, "episode", self._episodes)] * len(thetas)
+        )
+        self._episodes += 1
+        policies = Policies([self.policy_of(theta) for theta in thetas], self.shape)
+        played, failures = play(self.environment, policies, starts)
+        for error in (failures | unborn).values():
+            raise error
+        self.timestep += int(played.steps.sum())
+        return played.returns
+
+    def policy_of(self, theta: NDArray[np.float32]) -> Policy:
+        """The policy of an actor, which sees the features as they are.
+
+        Raises:
+            ValueError: for an array that is no theta.
+        """
+        size = parameter_size(self.shape)
+        if theta.dtype != np.float32 or theta.shape != (size,):
+            raise ValueError(
+                f"{type(self).__name__}: theta must be float32 [{size}], not "
+                f"{theta.dtype} {list(theta.shape)}"
+            )
+        mean = np.zeros(self.shape.inputs, np.float32)
+        return deterministic(theta, mean, np.ones_like(mean), self.environment.action_size)
+
+    def policy(self) -> Policy:
+        """The policy as it is."""
+        return self.policy_of(self.theta)
+
+    def count(self, lived: Any) -> None:
+        """Check that the steps of `explore` were counted."""
+        del lived
+        if self.timestep <= self._counted:
+            raise ValueError(
+                f"{type(self).__name__}.explore counted no environment steps: it has to add them "
+                "to self.timestep"
+            )
+        self._counted = self.timestep
+
+    def learn(self, lived: Any) -> None:
+        """Improve, and see that theta is finite."""
+        self.improve(lived)
+        self.updates += 1
+        if not np.isfinite(self.theta).all():
+            raise NotFiniteQuantityError("theta")
+
+    @property
+    def is_over(self) -> bool:
+        """Whether it has had its timesteps."""
+        return self.timestep >= self._timesteps
+
+    @property
+    def nbytes(self) -> int:
+        """Negligible; a run that keeps much overrides this (see `Algorithm.memory`)."""
+        return 0
+
+    def measured(self, return_mean: float) -> Measurement:
+        """Take in a measurement."""
+        self.history.record(return_mean)
+        return self.history.measured(
+            updates=self.updates, jacobians=self.jacobians, diagnostics=self.diagnostics()
+        )
+
+    def state(self) -> State:
+        """All that its next bits depend on."""
+        counters = [self.timestep, self.jacobians, self.updates, self._episodes]
+        learned = {name: np.asarray(getattr(self, name)) for name in self.learned}
+        return {
+            "counters": np.array(counters),
+            **within("learned", learned),
+            **within("history", self.history.state()),
+        }
+
+    def restore(self, state: State) -> None:
+        """Restore what `state` returned."""
+        counters = state["counters"].tolist()
+        self.timestep, self.jacobians, self.updates, self._episodes = counters
+        self._counted = self.timestep
+        for name, array in part(state, "learned").items():
+            own = getattr(self, name)
+            if isinstance(own, np.ndarray):
+                fill(own, array)
+            else:
+                setattr(self, name, array.item())
+        self.history.restore(part(state, "history"))
+
+    def snapshot(self) -> Snapshot:
+        """The policy as it is."""
+        m = self.environment.action_size
+        return Snapshot(self.timestep, m, inside(self.shape), self.policy())
+
+
+class SoloLearner(OnPolicyLearner[SoloRun[Any], Any]):
+    """A cohort of such runs; see `algorithms.learner.Learner`."""
+
+    def _live(self) -> Mapping[int, Callable[[], Any]]:
+        return {run.seed: partial(found, attempted(run.explore)) for run in self._runs}
+
+
+def attempted(call: Callable[[], Any]) -> Any:
+    """What a call returns, or the error that it raises."""
+    try:
+        return call()
+    except Exception as error:
+        return error
+
+
+def builder_of(
+    run: Callable[[Environment, int, int, Any], SoloRun[Any]],
+) -> Callable[..., SoloLearner]:
+    """The builder of an `Algorithm` whose runs are of this class."""
+
+    def build(
+        environment: Environment,
+        seeds: Sequence[int],
+        weights: tuple[float, float],
+        timesteps: int,
+        config: Any,
+    ) -> SoloLearner:
+        del weights
+        runs = [run(environment, seed, timesteps, config) for seed in seeds]
+        return SoloLearner(environment, runs, runs[0].shape, timesteps)
+
+    return build
