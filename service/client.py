@@ -180,7 +180,7 @@ class Client:
         self,
         q: str | None = None,
         *,
-        tag: str | Sequence[str] = (),
+        tag: str | None = None,
         algorithm: str | None = None,
         environment: str | None = None,
         status: SweepStatus | str | None = None,
@@ -190,7 +190,7 @@ class Client:
 
         Args:
             q: a text in the name, the notes or a tag, or the beginning of the id.
-            tag: a tag, or several: those that have all of them.
+            tag: those that have it.
             algorithm: those that compare it.
             environment: those with runs in it.
             status: those that stand there.
@@ -198,7 +198,7 @@ class Client:
         """
         asked = {
             "q": q,
-            "tag": [tag] if isinstance(tag, str) else list(tag),
+            "tag": tag,
             "algorithm": algorithm,
             "environment": environment,
             "status": status,

@@ -40,8 +40,8 @@ app = typer.Typer(
 app.add_typer(db.app)
 app.add_typer(paper.app)
 COMMANDS: tuple[Callable[..., None], ...] = (
-    serve, submit, ls, show, edit, watch, *map(command_of, TRANSITIONS), export, table, plot, rollout,
-    verify, doctor,
+    serve, submit, ls, show, edit, watch, *map(command_of, TRANSITIONS), export, table, plot,
+    rollout, verify, doctor,
 )  # fmt: skip
 for command in COMMANDS:
     app.command()(command)

@@ -36,7 +36,7 @@ def ls(
         str | None,
         typer.Option("--search", "-q", help="Only sweeps with this text in name, notes or tags."),
     ] = None,
-    tag: Annotated[list[str] | None, typer.Option(help="Only sweeps with it; repeatable.")] = None,
+    tag: Annotated[str | None, typer.Option(help="Only sweeps with it.")] = None,
     archived: Annotated[bool, typer.Option("--archived", help="Only archived sweeps.")] = False,
     limit: Annotated[int, typer.Option(min=1, help="At most so many.")] = 50,
     as_json: AsJson = False,
@@ -48,7 +48,7 @@ def ls(
         raise typer.BadParameter("--search, --tag and --archived are for sweeps, not for runs")
     with Client() as client:
         if sweep_id is None:
-            sweeps = client.sweeps(q, tag=tag or (), archived=archived, **given)
+            sweeps = client.sweeps(q, tag=tag, archived=archived, **given)
             list_sweeps(list(islice(sweeps, limit + 1)), limit, as_json)
         else:
             runs = client.runs(sweep_id, limit=min(1000, limit + 1), **given)

@@ -13,7 +13,7 @@ from service.api.problems import Fault, InvalidRequest
 from service.api.schemas.listed_sweep_answer import SPARKLINE_POINTS, ListedSweepAnswer
 from service.api.schemas.page import Page, PageQuery, page_of, read_cursor
 from service.api.schemas.sweep_answer import DryRunAnswer, SweepAnswer
-from service.api.schemas.sweep_edit import MAX_TAGS, SweepEdit
+from service.api.schemas.sweep_edit import OneTag, SweepEdit
 from service.api.schemas.sweep_request import SweepRequest
 from service.api.schemas.texts import MAX_NAME, Name, Text
 from service.api.submission.plan import plan
@@ -90,7 +90,7 @@ class SweepQuery(PageQuery):
         max_length=MAX_NAME,
         description="A text in the name, the notes or a tag, or the beginning of the id.",
     )
-    tag: list[Text] = Field(default=[], max_length=MAX_TAGS, description="All of which they have.")
+    tag: OneTag | None = None
     algorithm: Name | None = None
     environment: Name | None = None
     status: SweepStatus | None = None
@@ -100,7 +100,7 @@ class SweepQuery(PageQuery):
     def search(self) -> SweepSearch:
         """What is asked of the store."""
         return SweepSearch(
-            self.q, tuple(self.tag), self.algorithm, self.environment, self.status, self.archived
+            self.q, self.tag, self.algorithm, self.environment, self.status, self.archived
         )
 
 

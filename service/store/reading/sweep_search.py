@@ -19,12 +19,11 @@ class SweepSearch:
     """What sweeps must be like to be listed; None: whatever they are like.
 
     q         a text in the name, the notes or a tag, or the beginning of the id; any case
-    tags      all of which they have
     archived  "false": those that are not, "true": those that are
     """
 
     q: str | None = None
-    tags: tuple[str, ...] = ()
+    tag: str | None = None
     algorithm: str | None = None
     environment: str | None = None
     status: SweepStatus | None = None
@@ -34,8 +33,8 @@ class SweepSearch:
         """Yield what must hold."""
         if self.q:
             yield _mentions(self.q)
-        for tag in self.tags:
-            yield has("tag", tag)
+        if self.tag is not None:
+            yield has("tag", self.tag)
         if self.algorithm is not None:
             yield has("algorithm", self.algorithm)
         if self.environment is not None:

@@ -73,7 +73,8 @@ def test_sweeps_are_found_by_what_they_are(client: TestClient, store: Store) -> 
     assert found(client, "q=paper") == [third, second, first]
     assert found(client, f"q={second[:6]}") == [second]
     assert found(client, "tag=paper") == [third, first]
-    assert found(client, "tag=paper&tag=die") == [first]
+    assert found(client, "tag=die") == [first]
+    assert found(client, "tag=nope") == []
     assert found(client, "algorithm=sac") == [second]
     assert found(client, "environment=CartPole&algorithm=ddpg") == [third]
     assert found(client, "environment=CartPole&algorithm=sac") == []
@@ -179,9 +180,6 @@ def test_there_is_no_such_sweep_to_edit(client: TestClient) -> None:
 )
 def test_bad_searches_are_refused_by_field(idle_client: TestClient, query: str) -> None:
     answer = idle_client.get(f"{SWEEPS}?{query}")
-    if query == "tag=":
-        assert (answer.status_code, answer.json()["items"]) == (200, [])
-        return
     assert answer.status_code == 422
     assert answer.json()["errors"][0]["field"].startswith(query.partition("=")[0])
 
