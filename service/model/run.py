@@ -53,6 +53,7 @@ def unfinished(statuses: Iterable[RunStatus]) -> dict[str, int]:
 class Run:
     """One run. Times are seconds since 1970 by the database's clock.
 
+    entry               the place of its entry among those of its sweep
     attempt             how often it was claimed; writes under an older number are refused
     timestep            environment steps reached by the current attempt
     reason              why it stands where it stands, a sentence; empty while all is well
@@ -62,11 +63,13 @@ class Run:
     checkpoint_timestep of its newest checkpoint; 0 where there is none, as after its end
     resumed_timestep    where the current attempt took it up; None until its worker says
     memory_bytes        that it may come to fill in its worker; None until that is known
+    score               its final score, raw; NaN unless it succeeded
     """
 
     id: str
     sweep_id: str
     spec: RunSpec
+    entry: int
     environment_version: int
     status: RunStatus
     reason: str
@@ -80,6 +83,7 @@ class Run:
     checkpoint_timestep: int
     resumed_timestep: int | None
     memory_bytes: int | None
+    score: float
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,14 @@ from typing import Any, Self
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from service.analysis.cost import Basis, CellCost, explain, total_core_seconds, wall_seconds
+from service.analysis.cost import (
+    Basis,
+    CellCost,
+    about,
+    explain,
+    total_core_seconds,
+    wall_seconds,
+)
 from service.analysis.figures.paper_figure import PAPER
 from service.api.schemas.number import finite_or_none
 from service.api.schemas.run_answer import MOVES, WeightsAnswer, as_time
@@ -101,6 +108,7 @@ class DryRunAnswer(BaseModel):
                         "diverged": 0,
                         "cancelled": 0,
                     },
+                    "product": "1 x 1 x 16 seeds = 16 runs, about 2 min",
                     "timesteps": 320_000,
                     "cells": [
                         {
@@ -127,6 +135,7 @@ class DryRunAnswer(BaseModel):
     )
 
     runs: RunCountsAnswer
+    product: str = Field(description="What is multiplied, to how many runs, in about what time.")
     timesteps: int = Field(description="Environment steps of all runs together.")
     cells: list[PlannedCellAnswer]
     estimate: EstimateOfCostAnswer
@@ -137,7 +146,7 @@ class DryRunAnswer(BaseModel):
         """Show a plan and the costs of its cells."""
         cells = [
             PlannedCellAnswer(
-                label=label,
+                label=entry.label,
                 algorithm=cell.algorithm,
                 environment=cell.environment,
                 weights=WeightsAnswer.of(cell.weights),
@@ -150,7 +159,7 @@ class DryRunAnswer(BaseModel):
                     runs=cost.runs,
                 ),
             )
-            for label, cell, cost in zip(plan.labels, plan.cells, costs, strict=True)
+            for entry, cell, cost in zip(plan.entries, plan.cells, costs, strict=True)
         ]
         counts = RunCountsAnswer.of(RunCounts(queued=plan.runs))
         estimate = EstimateOfCostAnswer(
@@ -161,6 +170,7 @@ class DryRunAnswer(BaseModel):
         )
         return cls(
             runs=counts,
+            product=", ".join(filter(None, [plan.product, about(wall_seconds(costs, workers))])),
             timesteps=plan.timesteps,
             cells=cells,
             estimate=estimate,
@@ -168,7 +178,42 @@ class DryRunAnswer(BaseModel):
         )
 
 
-class SweepAnswer(BaseModel):
+class SweepHead(BaseModel):
+    """What lists and answers say of a sweep."""
+
+    id: str
+    name: str
+    created_at: datetime
+    priority: int
+    status: SweepStatus
+    runs: RunCountsAnswer
+    progress: float = Field(
+        description="Share of the asked timesteps that is done, 0 to 1: a run that reached its end "
+        "counts whole, any other as far as it got."
+    )
+    eta_seconds: float | None
+    tags: list[str]
+    archived: bool
+    links: dict[str, str]
+
+
+def head_of(sweep: Sweep) -> dict[str, Any]:
+    """Return the fields of a sweep's head, its links aside."""
+    return {
+        "id": sweep.id,
+        "name": sweep.name,
+        "created_at": as_time(sweep.created_at),
+        "priority": sweep.priority,
+        "status": sweep.status,
+        "runs": RunCountsAnswer.of(sweep.runs),
+        "progress": sweep.progress,
+        "eta_seconds": sweep.eta_seconds,
+        "tags": list(sweep.tags),
+        "archived": sweep.archived,
+    }
+
+
+class SweepAnswer(SweepHead):
     """A sweep as it stands."""
 
     model_config = ConfigDict(
@@ -192,6 +237,9 @@ class SweepAnswer(BaseModel):
                     },
                     "progress": 0.25,
                     "eta_seconds": 310.5,
+                    "tags": ["paper"],
+                    "archived": False,
+                    "notes": "After the *first* look.",
                     "request": {"name": "weights on Pendulum", "seeds": 16},
                     "entries": [
                         {"label": "ddpg", "algorithm": "ddpg"},
@@ -204,21 +252,12 @@ class SweepAnswer(BaseModel):
         }
     )
 
-    id: str
-    name: str
-    created_at: datetime
-    priority: int
-    status: SweepStatus
-    runs: RunCountsAnswer
-    progress: float = Field(
-        description="Share of the asked timesteps that is done, 0 to 1: a run that reached its end "
-        "counts whole, any other as far as it got."
+    notes: str = Field(description="Markdown, shown as text.")
+    request: Mapping[str, Any] = Field(
+        description="What was posted, with the seeds and entries that were added since."
     )
-    eta_seconds: float | None
-    request: Mapping[str, Any] = Field(description="What was posted.")
     entries: list[EntryAnswer] = Field(description="What it compares, in the request's order.")
     notices: list[str] = Field(description=NOTICES_TEXT)
-    links: dict[str, str]
 
     @classmethod
     def of(cls, sweep: Sweep, notices: Sequence[str] = ()) -> Self:
@@ -227,14 +266,8 @@ class SweepAnswer(BaseModel):
         figures = figures_of(sweep.request)
         parts = ("runs", "curves", "table", "statistics", "events", *MOVES)
         return cls(
-            id=sweep.id,
-            name=sweep.name,
-            created_at=as_time(sweep.created_at),
-            priority=sweep.priority,
-            status=sweep.status,
-            runs=RunCountsAnswer.of(sweep.runs),
-            progress=sweep.progress,
-            eta_seconds=sweep.eta_seconds,
+            **head_of(sweep),
+            notes=sweep.notes,
             request=sweep.request,
             entries=[
                 EntryAnswer(label=entry.label, algorithm=entry.algorithm)

@@ -5,7 +5,6 @@ from typing import Annotated, Any
 
 from pydantic import (
     AfterValidator,
-    BaseModel,
     ConfigDict,
     Discriminator,
     Field,
@@ -15,29 +14,23 @@ from pydantic import (
 )
 
 from algorithms.presets import SMALLEST_WEIGHT
+from service.api.schemas.sweep_edit import (
+    NAME_TEXT,
+    NOTES_TEXT,
+    PRIORITY_TEXT,
+    TAGS_TEXT,
+    Notes,
+    Priority,
+    Tags,
+)
+from service.api.schemas.texts import Name, Request, label_text, storable
 
 MAX_RUNS = 20_000
-MAX_NAME = 200
 MAX_LISTED = 100
 MAX_TIMESTEPS = 100_000_000
 MAX_SEED = 2**53 - 1  # the largest whole number that every JSON reader keeps
 MAX_WEIGHT = 1e6
 MAX_CONFIG_TEXT = 1_000
-
-
-class Request(BaseModel):
-    """A strict request body."""
-
-    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True)
-
-
-def storable(text: str) -> str:
-    """Return text that databases can hold exactly; raises ValueError for what they cannot."""
-    if "\0" in text:
-        raise ValueError("holds the character NUL, which databases cannot store")
-    if any("\ud800" <= character <= "\udfff" for character in text):
-        raise ValueError("is not valid Unicode: it holds half of a surrogate pair")
-    return text
 
 
 def weight(value: float) -> float:
@@ -51,10 +44,23 @@ def weight(value: float) -> float:
 
 
 def config_value(value: object) -> object:
-    """Return a setting of a learner: a scalar, or a list of scalars; its config says which."""
-    if isinstance(value, list) and len(value) <= MAX_LISTED:
-        return [_scalar(each) for each in value]
+    """Return a setting of a learner, or a list of them: a grid."""
+    if isinstance(value, list):
+        return [_setting(each) for each in _counted(value)]
     return _scalar(value)
+
+
+def _setting(value: object) -> object:
+    """Return a value of a setting: a scalar, or a list of scalars where its config takes one."""
+    return (
+        [_scalar(each) for each in _counted(value)] if isinstance(value, list) else _scalar(value)
+    )
+
+
+def _counted(values: list[object]) -> list[object]:
+    if not 1 <= len(values) <= MAX_LISTED:
+        raise ValueError(f"a list has 1 to {MAX_LISTED} values, this one has {len(values)}")
+    return values
 
 
 def _scalar(value: object) -> object:
@@ -67,7 +73,7 @@ def _scalar(value: object) -> object:
     if isinstance(value, str) and len(value) <= MAX_CONFIG_TEXT:
         return storable(value)
     raise ValueError(
-        "a setting is null, true, false, a finite number, a short text, or a list of those"
+        "a setting is null, true, false, a finite number or a short text; a list of them is a grid"
     )
 
 
@@ -75,32 +81,44 @@ def _one_or_list(value: object) -> str:
     return "<list>" if isinstance(value, list) else "<one>"
 
 
-Text = Annotated[str, AfterValidator(storable)]
-Name = Annotated[Text, Field(min_length=1, max_length=MAX_NAME)]
+Label = Annotated[Name, AfterValidator(label_text)]
+Listed = Field(min_length=1, max_length=MAX_LISTED)
 Weight = Annotated[float, Field(ge=0, le=MAX_WEIGHT), AfterValidator(weight)]
+Weighed = Annotated[
+    Annotated[Weight, Tag("<one>")] | Annotated[list[Weight], Listed, Tag("<list>")],
+    Discriminator(_one_or_list),
+]
+Share = Annotated[float, Field(gt=0, le=1)]
 Seed = Annotated[int, Field(ge=0, le=MAX_SEED)]
 ConfigValue = Annotated[
     Any,
     PlainValidator(config_value),
-    WithJsonSchema({"description": "null, boolean, number, text, or a list of those"}),
+    WithJsonSchema({"description": "null, boolean, number, text; a list of them is a grid"}),
 ]
 
 
 class Weights(Request):
-    """Weights of the critic's gradient terms: w1 for dQ/da, w2 for dQ/ds."""
+    """Weights of the critic's gradient terms: w1 for dQ/da, w2 for dQ/ds; lists are a grid."""
 
-    w1: Weight = 0.0
-    w2: Weight = 0.0
+    w1: Weighed = 0.0
+    w2: Weighed = 0.0
 
 
 class AlgorithmRequest(Request):
-    """An algorithm of the sweep, with one or several pairs of weights, and settings of its own."""
+    """An algorithm of the sweep, with weights and settings of its own.
+
+    A list in the place of a weight or a setting is a grid: every combination is an entry.
+    """
 
     name: Name
+    label: Label | None = Field(
+        default=None,
+        description="What its entries are called instead of by its name; what tells them apart "
+        "follows it.",
+    )
     weights: (
         Annotated[
-            Annotated[Weights, Tag("<one>")]
-            | Annotated[list[Weights], Field(min_length=1, max_length=MAX_LISTED), Tag("<list>")],
+            Annotated[Weights, Tag("<one>")] | Annotated[list[Weights], Listed, Tag("<list>")],
             Discriminator(_one_or_list),
         ]
         | None
@@ -109,6 +127,13 @@ class AlgorithmRequest(Request):
         default_factory=dict,
         max_length=MAX_LISTED,
         description="Settings that differ from the preset; `GET /catalogue` has their schema.",
+    )
+    zip: list[Name] | None = Field(
+        default=None,
+        min_length=2,
+        max_length=MAX_LISTED,
+        description="Weights and settings whose lists, equally long, advance together; the others "
+        "are multiplied.",
     )
     environments: list[Name] | None = Field(
         default=None,
@@ -136,6 +161,7 @@ class SweepRequest(Request):
                             "name": "hybrid-ddpg",
                             "weights": [{"w1": 0.1, "w2": 0.1}, {"w1": 0.01, "w2": 0}],
                         },
+                        {"name": "sac", "label": "soft", "config": {"rate": [0.0003, 0.001]}},
                     ],
                     "environments": ["Pendulum"],
                     "seeds": 16,
@@ -145,7 +171,9 @@ class SweepRequest(Request):
         }
     )
 
-    name: Name = Field(default="sweep", description="Any text; shown and stored exactly as it is.")
+    name: Name = Field(default="sweep", description=NAME_TEXT)
+    notes: Notes = Field(default="", description=NOTES_TEXT)
+    tags: Tags = Field(default=[], description=TAGS_TEXT)
     algorithms: list[AlgorithmRequest] = Field(min_length=1, max_length=MAX_LISTED)
     environments: list[Name] = Field(min_length=1, max_length=MAX_LISTED)
     seeds: Annotated[
@@ -159,10 +187,12 @@ class SweepRequest(Request):
         le=MAX_TIMESTEPS,
         description="Environment steps of each run; else the preset's.",
     )
-    scale: float = Field(
+    scale: Annotated[
+        Annotated[Share, Tag("<one>")] | Annotated[list[Share], Listed, Tag("<list>")],
+        Discriminator(_one_or_list),
+    ] = Field(
         default=1.0,
-        gt=0,
-        le=1,
-        description="Share of those timesteps to run, for a quick look; at least one measurement.",
+        description="Share of those timesteps to run, for a quick look; at least one measurement. "
+        "A list is a grid.",
     )
-    priority: int = Field(default=0, ge=-1000, le=1000, description="Higher goes first.")
+    priority: Priority = Field(default=0, description=PRIORITY_TEXT)
