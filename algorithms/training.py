@@ -20,10 +20,12 @@ from algorithms.presets import LARGEST_WEIGHT, SMALLEST_WEIGHT, completed, prese
 from physics.environment import Environment
 from physics.kernels.compile_notice import noticed
 
+Task = str | Environment | type[Environment]
+
 
 def train(
     algorithm: str,
-    environment: str,
+    environment: Task,
     seeds: Iterable[int],
     weights: tuple[float, float] | None = None,
     timesteps: int | None = None,
@@ -33,7 +35,7 @@ def train(
 
     Args:
         algorithm: a name of `algorithms.names()`.
-        environment: a name of `physics.names()`.
+        environment: a task: a name that `physics.make` takes, a class or an instance.
         seeds: one run each, all different, from 0 on; a sequence or an array of integers.
         weights: (w1, w2), of the action and state gradient terms; None: the preset's. A hybrid with
             (0, 0) is its baseline, bit for bit, and a warning says so.
@@ -47,13 +49,14 @@ def train(
 
     The first use on a machine compiles kernels, and says so on stderr.
     """
-    measurements = _measurements(algorithm, environment, seeds, weights, timesteps, config)
-    return noticed(measurements, f"{algorithm} on {environment}")
+    task = physics.as_task(environment)
+    measurements = _measurements(algorithm, task, seeds, weights, timesteps, config)
+    return noticed(measurements, f"{algorithm} on {task.label}")
 
 
 def _measurements(
     algorithm: str,
-    environment: str,
+    environment: Task,
     seeds: Iterable[int],
     weights: tuple[float, float] | None,
     timesteps: int | None,
@@ -79,7 +82,7 @@ def _measurements(
 
 def build(
     algorithm: str,
-    environment: str,
+    environment: Task,
     seeds: Iterable[int],
     weights: tuple[float, float] | None = None,
     timesteps: int | None = None,
@@ -91,7 +94,7 @@ def build(
 
 def prepare(
     algorithm: str,
-    environment: str,
+    environment: Task,
     seeds: Iterable[int],
     weights: tuple[float, float] | None = None,
     timesteps: int | None = None,
@@ -101,11 +104,11 @@ def prepare(
 
     Same arguments and ValueError as `train`. Only the returned function may compile kernels.
     """
-    chosen, task = catalogue.find(algorithm), physics.make(environment)
-    usual = preset(algorithm, environment)
+    chosen, task = catalogue.find(algorithm), physics.as_task(environment)
+    usual = preset(algorithm, task.name)
     steps = usual.timesteps if timesteps is None else timesteps
     pair = usual.weights if weights is None else weights
-    settings = chosen.config_class()(**completed(algorithm, environment, config or {}))
+    settings = chosen.config_class()(**completed(algorithm, task.name, config or {}))
     check_pair(chosen, task)
     numbers, steps = seed_numbers(seeds), step_number(steps)
     check_weights(chosen, pair)
