@@ -9,7 +9,7 @@ with other values is written `Pendulum(gravity=9.81)`: its label, which `physics
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from difflib import get_close_matches
 from inspect import getattr_static
 from math import isfinite
@@ -30,7 +30,8 @@ class Parameter:
     least: float
     greatest: float
     meaning: str = ""
-    name: str = field(default="", init=False)
+    name: str = ""
+    """As the class that declares it calls it."""
 
     def __set_name__(self, owner: type, name: str) -> None:
         """Take the name of the attribute."""
@@ -111,6 +112,11 @@ def label(name: str, values: Mapping[str, float]) -> str:
     """A task as text: its name, and the values that were given, by name."""
     told = ", ".join(f"{each}={number_text(values[each])}" for each in sorted(values))
     return f"{name}({told})" if told else name
+
+
+def name_of(text: str) -> str:
+    """The name of a task in a label, whatever its values say."""
+    return text.partition("(")[0]
 
 
 def parse(text: str) -> tuple[str, dict[str, float]]:

@@ -13,11 +13,13 @@ import inspect
 import linecache
 import os
 import re
+import socket
 import sys
 import tempfile
 import traceback
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
@@ -46,7 +48,7 @@ class TaskFile:
             ValueError: where there is none, or it is no text.
         """
         try:
-            return cls(path.name, path.read_text(encoding="utf-8"))
+            return cls(path.name, path.read_bytes().decode())
         except OSError as error:
             raise ValueError(f"the task file {path} cannot be read: {error.strerror}") from error
         except UnicodeDecodeError as error:
@@ -62,16 +64,48 @@ class TaskFile:
         """The version of its tasks: the first seven digits of the hash, as a number from 1 on."""
         return int(self.digest[:7], 16) + 1
 
+    def reference(self, task: str) -> str:
+        """What `physics.make` takes for a task of it on this machine.
+
+        The file is written into this user's cache, below its hash, where it is not yet.
+
+        Raises:
+            ValueError: where another text lies there.
+        """
+        path = self.put(_cache())
+        if (found := TaskFile.read(path).digest) != self.digest:
+            raise ValueError(
+                f"{path} on {socket.gethostname()} has the hash {found}, but the service's "
+                f"{self.name} has {self.digest}: remove the file there, and retry the run"
+            )
+        return f"{path}:{task}"
+
     def put(self, folder: Path) -> Path:
         """Write the file into the folder, below its hash, where it is not yet; return its path."""
         path = folder / self.digest / self.name
         if not path.exists():
             path.parent.mkdir(parents=True, exist_ok=True)
             handle, unfinished = tempfile.mkstemp(dir=path.parent)
-            with os.fdopen(handle, "w", encoding="utf-8") as file:
+            with os.fdopen(handle, "w", encoding="utf-8", newline="") as file:
                 file.write(self.source)
             Path(unfinished).replace(path)
         return path
+
+
+def _cache() -> Path:
+    """The folder for the files that come with a run; of this process where the user's is shut."""
+    home = Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser()
+    folder = home / "d3pg" / "tasks"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return _own_folder()
+    return folder if os.access(folder, os.W_OK) else _own_folder()
+
+
+@cache
+def _own_folder() -> Path:
+    return Path(tempfile.mkdtemp(prefix="d3pg-tasks-"))
 
 
 class Reference(NamedTuple):

@@ -18,7 +18,7 @@ class Spring(Plain):
 
 class StiffSpring(Spring):
     name = "StiffSpring"
-    stiffness = 9.0  # type: ignore[assignment]
+    stiffness = 9.0
 
 
 def test_a_task_has_the_defaults_and_another_the_values_given() -> None:

@@ -5,12 +5,13 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query, Response
 
-from service.api.context import TheCheckpoints, TheRun, TheSide, TheStore, find_run
+from service.api.context import TheCheckpoints, TheRun, TheShelf, TheSide, TheStore, find_run
 from service.api.problems import Fault, ImpossibleMove, InvalidRequest, ServiceBusy
 from service.api.schemas.rollout_answer import RolloutAnswer, RolloutQuery, RolloutRequest
 from service.api.side_process import BusyError, Side, TooSlowError
 from service.model.environment import environment_facts
 from service.model.run import Run
+from service.task_shelf import TaskShelf
 from workers.checkpoints.folder import UnavailableError
 from workers.checkpoints.place import Place
 from workers.checkpoints.sealed_file import DamagedError
@@ -25,27 +26,38 @@ def get_rollout(
     query: Annotated[RolloutQuery, Query()],
     checkpoints: TheCheckpoints,
     side: TheSide,
+    shelf: TheShelf,
 ) -> Response:
     """Play an episode of what a run has learned, from a start that its task draws.
 
     409 while it has learned nothing that was written: a policy is written with every checkpoint
     and at the end. `mpc` learns none.
     """
-    return _played(run, query.seed, checkpoints, side)
+    return _played(run, query.seed, checkpoints, side, shelf)
 
 
 @router.post("/rollouts", response_model=RolloutAnswer)
 def play_rollout(
-    request: RolloutRequest, store: TheStore, checkpoints: TheCheckpoints, side: TheSide
+    request: RolloutRequest,
+    store: TheStore,
+    checkpoints: TheCheckpoints,
+    side: TheSide,
+    shelf: TheShelf,
 ) -> Response:
     """Play an episode of what a run has learned, from a start of one's own."""
-    return _played(find_run(request.run, store), list(request.start), checkpoints, side)
+    return _played(find_run(request.run, store), list(request.start), checkpoints, side, shelf)
 
 
-def _played(run: Run, start: list[float] | int, checkpoints: Place, side: Side) -> Response:
-    _refuse_another_version(run)
+def _played(
+    run: Run, start: list[float] | int, checkpoints: Place, side: Side, shelf: TaskShelf
+) -> Response:
+    file = shelf.file_of(run.spec.environment, run.environment_version)
+    if file is None:
+        _refuse_another_version(run)
     try:
-        answer = side.call("workers.policies.rollout:rollout", checkpoints, run.id, run.spec, start)
+        answer = side.call(
+            "workers.policies.rollout:rollout", checkpoints, run.id, run.spec, start, file
+        )
     except StartError as refusal:
         raise InvalidRequest([Fault("start", str(refusal))]) from refusal
     except UnavailableError as trouble:
