@@ -78,6 +78,18 @@ class Settings(BaseSettings):
         description="Host names to answer to besides loopback, separated by commas",
     )
 
+    tasks: Annotated[tuple[Path, ...], NoDecode] = Field(
+        default=(),
+        description="A file of tasks of your own, such as my_tasks.py; may be given again",
+    )
+
+    @field_validator("tasks", mode="before")
+    @classmethod
+    def _split_paths_at_commas(cls, value: object) -> object:
+        if isinstance(value, str):
+            return tuple(path.strip() for path in value.split(",") if path.strip())
+        return value
+
     @field_validator("allow_host", mode="before")
     @classmethod
     def _split_at_commas(cls, value: object) -> object:

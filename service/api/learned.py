@@ -6,22 +6,29 @@ from service.api.problems import ImpossibleMove, ServiceBusy
 from service.api.side_process import BusyError, Side, TooSlowError
 from service.model.environment import environment_facts
 from service.model.run import Run
+from service.task_shelf import TaskShelf
 from workers.checkpoints.folder import UnavailableError
 from workers.checkpoints.place import Place
 from workers.checkpoints.sealed_file import DamagedError
 
 
-def learned(side: Side, function: str, checkpoints: Place, run: Run, *arguments: Any) -> Any:
-    """What a function of `(checkpoints, run id, spec, *arguments)` makes of it.
+def learned(
+    side: Side, function: str, checkpoints: Place, run: Run, shelf: TaskShelf, *arguments: Any
+) -> Any:
+    """What a function of `(checkpoints, run id, spec, file, *arguments)` makes of it.
+
+    `file` is the text of the run's task where the task is of a file, else None.
 
     Raises:
         ImpossibleMove: while the run has learned nothing that was written, where that cannot be
             read, and where the service has no or another version of the run's task.
         ServiceBusy: where it cannot be done now.
     """
-    _refuse_another_version(run)
+    file = shelf.file_of(run.spec.environment, run.environment_version)
+    if file is None:
+        _refuse_another_version(run)
     try:
-        answer = side.call(function, checkpoints, run.id, run.spec, *arguments)
+        answer = side.call(function, checkpoints, run.id, run.spec, file, *arguments)
     except UnavailableError as trouble:
         raise ServiceBusy(
             f"What run {run.id} learned cannot be read now: {trouble.strerror}."

@@ -12,7 +12,7 @@ from service.api.schemas.sweep_request import MAX_RUNS, AlgorithmRequest, SweepR
 from service.api.submission.grid_faults import repeated_values
 from service.api.submission.nearest import unknown_name
 from service.model.entry import Entry, Json, entries_of, listed
-from service.model.environment import environment_facts
+from service.model.environment import environment_facts, submittable_facts
 
 Value = TypeVar("Value")
 
@@ -40,7 +40,7 @@ def name_faults(request: SweepRequest) -> list[Fault]:
     """Refuse names that are not in the catalogues."""
     algorithms = [(f"algorithms[{i}].name", each.name) for i, each in enumerate(request.algorithms)]
     environments = [(f"environments[{i}]", name) for i, name in enumerate(request.environments)]
-    return [*_unknown(algorithms, catalogue.find), *_unknown(environments, environment_facts)]
+    return [*_unknown(algorithms, catalogue.find), *_unknown(environments, submittable_facts)]
 
 
 def product_faults(request: SweepRequest, posted: Json, entries: Sequence[Entry]) -> list[Fault]:
