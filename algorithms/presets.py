@@ -298,19 +298,20 @@ def preset(algorithm: str, environment: str) -> Preset:
     """The preset of an algorithm on a task, also on one that nothing was chosen for.
 
     Values of the task's parameters, as in `Pendulum(gravity=9.81)`, are of no account. A hybrid
-    matches gradients on every task, and has its baseline's settings and timesteps there.
+    matches gradients on every task. It has its baseline's timesteps there, and its settings where
+    it has none of its own.
     """
     environment = name_of(environment)
     if (algorithm, environment) in ALONE:
         return ALONE[algorithm, environment]
     matched = WEIGHTS.get(algorithm)
-    baseline = catalogue.baseline(algorithm) if matched else algorithm
-    if baseline not in SETTINGS:
+    owner = algorithm if algorithm in SETTINGS else catalogue.baseline(algorithm)
+    if owner not in SETTINGS:
         return Preset()
     return Preset(
         weights=matched.chosen.get(environment, matched.usual) if matched else NO_WEIGHTS,
         timesteps=TIMESTEPS.get(environment, USUAL_TIMESTEPS),
-        config=SETTINGS[baseline].get(environment, USUAL_SETTINGS.get(baseline, {})),
+        config=SETTINGS[owner].get(environment, USUAL_SETTINGS.get(owner, {})),
     )
 
 

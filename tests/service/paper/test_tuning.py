@@ -103,7 +103,7 @@ def curve(unfinished: dict[str, int], end: float, mean: Sequence[float | None] =
     return CurveAnswer(
         algorithm="ddpg",
         weights=WeightsAnswer(w1=0.0, w2=0.0),
-        config={"noise": 0.2, "critic_decay": 0.0},
+        config={"noise": 0.3, "critic_decay": 0.0, "actor_rate": 0.0001},
         label="ddpg",
         runs=4,
         unfinished=unfinished,
