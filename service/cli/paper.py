@@ -21,6 +21,7 @@ from service.cli.terminal import console, say
 from service.client import Client, ServiceError
 from service.paper import results, tuning
 from service.paper.evaluation import SEEDS, evaluation
+from service.paper.summary import summarized
 from service.paper.tuning import Outcome
 from workers.messages.run_spec import Weights
 
@@ -63,6 +64,19 @@ def write_results(
     """Write what the evaluation has measured so far, without waiting for its end."""
     with any_service() as client:
         write(client, [submitted(client, request) for request in evaluation(seeds, scale)], output)
+
+
+@app.command()
+def derive(output: Output = Path("results")) -> None:
+    """Write gains.csv and figure 7 again, from the folder's measurements; needs no service."""
+    results.derive(output)
+    say(f"Wrote {output}/gains.csv and {output}/figure-7.*")
+
+
+@app.command()
+def summary(output: Output = Path("results")) -> None:
+    """Print what the folder's measurements say to the evaluation's questions, in Markdown."""
+    typer.echo(summarized(output))
 
 
 @app.command()

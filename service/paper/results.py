@@ -6,10 +6,12 @@
     table-1.csv, table-1.md
     statistics.json                            `GET /sweeps/{id}/statistics`, by sweep
     gains.csv                                  service.paper.differences
+    figure-7.svg, .png and .csv                service.paper.today
     provenance.json
 
-The figures of tables, statistics and gains follow from measurements, scores and random returns.
-An evaluation that goes on can be written too: provenance tells how many of its runs have ended.
+The numbers of tables, statistics, gains and figure 7 follow from measurements, scores and random
+returns. An evaluation that goes on can be written too: provenance tells how many of its runs have
+ended.
 """
 
 import csv
@@ -36,6 +38,7 @@ from service.paper.differences import gains
 from service.paper.evaluation import FIGURES, row
 from service.paper.gain_file import write_gains
 from service.paper.score_files import Row, write_random_returns, write_scores
+from service.paper.today import write_figure
 
 FORMS: tuple[Form, ...] = ("svg", "png")
 TABLES: Mapping[Literal["csv", "markdown"], str] = {
@@ -101,6 +104,7 @@ def derive(folder: Path) -> None:
     """Write what follows from the files of measurements, scores and random returns."""
     runs, scales = measured.read_runs(folder), measured.read_scales(folder)
     write_gains(folder / "gains.csv", gains(runs, scales))
+    write_figure(folder, runs, scales)
 
 
 def figures_of(sweep: SweepAnswer) -> tuple[FigureNumber, ...]:

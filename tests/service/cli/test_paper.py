@@ -94,6 +94,14 @@ def test_an_evaluation_is_taken_up_and_written(
         "ddpg", "hybrid-ddpg", "mpc", "sac", "hybrid-sac", "sac-with-learned-temperature"
     }  # fmt: skip
 
+    written = (tmp_path / "gains.csv").read_bytes()
+    (tmp_path / "gains.csv").unlink()
+    (tmp_path / "figure-7.csv").unlink()
+    d3pg("paper", "derive", "-o", str(tmp_path))
+    assert (tmp_path / "gains.csv").read_bytes() == written
+    assert {row["learner"] for row in rows_of(tmp_path / "figure-7.csv")} >= {"ddpg", "mpc", "sac"}
+    assert "## hybrid-sac minus" in d3pg("paper", "summary", "-o", str(tmp_path)).stdout
+
     scores = [
         row
         for row in rows_of(tmp_path / "scores.csv")
