@@ -36,6 +36,7 @@ from service.client import Client, ServiceError
 from service.paper import measured
 from service.paper.differences import gains
 from service.paper.evaluation import FIGURES, row
+from service.paper.former import NOTHING, Former
 from service.paper.gain_file import write_gains
 from service.paper.score_files import Row, write_random_returns, write_scores
 from service.paper.today import write_figure
@@ -82,8 +83,13 @@ class Swept:
         return cls(sweep, runs, rows, {panel.environment: panel.random_return for panel in panels})
 
 
-def write(client: Client, sweeps: Sequence[SweepAnswer], folder: Path) -> list[str]:
-    """Write the evaluation's files, and return a sentence for each that could not be made."""
+def write(
+    client: Client, sweeps: Sequence[SweepAnswer], folder: Path, kept: Former = NOTHING
+) -> list[str]:
+    """Write the evaluation's files, and return a sentence for each that could not be made.
+
+    What is kept of sweeps that are not among these stands beside them.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     swept = [Swept.of(client, sweep) for sweep in sweeps]
     runs = [(run, one.rows[run.id]) for one in swept for run in one.runs]
@@ -92,10 +98,13 @@ def write(client: Client, sweeps: Sequence[SweepAnswer], folder: Path) -> list[s
         _write_measurements(folder, one)
         if "4" in figures_of(one.sweep):
             _write_table(client, one.sweep, folder)
-    write_scores(folder / "scores.csv", runs)
-    write_random_returns(folder / "random-returns.csv", zeros)
-    _write_statistics(client, [one.sweep for one in swept], folder)
-    _write_provenance(folder / "provenance.json", swept)
+    write_scores(folder / "scores.csv", runs, kept.scores)
+    write_random_returns(folder / "random-returns.csv", zeros, kept.random_returns)
+    statistics = _statistics(client, [one.sweep for one in swept])
+    _write_json(folder / "statistics.json", {**kept.statistics, **statistics})
+    evidence = {**kept.evidence, **{one.sweep.name: _provenance(one) for one in swept}}
+    made = {"versions": versions(), "machine": machine(), "sweeps": evidence}
+    _write_json(folder / "provenance.json", made)
     derive(folder)
     return [sentence for one in swept for sentence in _write_figures(client, one.sweep, folder)]
 
@@ -112,18 +121,12 @@ def figures_of(sweep: SweepAnswer) -> tuple[FigureNumber, ...]:
     return FIGURES.get(sweep.name, ())
 
 
-def _write_statistics(client: Client, sweeps: Iterable[SweepAnswer], folder: Path) -> None:
-    found = {
+def _statistics(client: Client, sweeps: Iterable[SweepAnswer]) -> dict[str, Any]:
+    return {
         sweep.name: client.statistics(sweep.id).model_dump(mode="json")
         for sweep in sweeps
         if figures_of(sweep) != ("2",)  # a critic says nothing of how well its learner does
     }
-    _write_json(folder / "statistics.json", found)
-
-
-def _write_provenance(file: Path, swept: Iterable[Swept]) -> None:
-    evidence = {one.sweep.name: _provenance(one) for one in swept}
-    _write_json(file, {"versions": versions(), "machine": machine(), "sweeps": evidence})
 
 
 def _write_json(file: Path, document: Mapping[str, Any]) -> None:
