@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import hashlib
 import json
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
@@ -21,6 +21,8 @@ from service.cli.terminal import console, say
 from service.client import Client, ServiceError
 from service.paper import results, tuning
 from service.paper.evaluation import SEEDS, evaluation
+from service.paper.former import Former, former, whole_sweeps
+from service.paper.summary import summarized
 from service.paper.tuning import Outcome
 from workers.messages.run_spec import Weights
 
@@ -41,17 +43,19 @@ def run(
     """Run the whole evaluation, or go on with it, and write its results.
 
     Uses the service that answers at D3PG_URL, else starts one in D3PG_DATA_DIR. Interrupted, it
-    goes on from the last checkpoints when it is called again with the same seeds and scale.
+    goes on from the last checkpoints when it is called again with the same seeds and scale. Sweeps
+    that the folder has whole, trained by this code, are not trained again by a new service.
     """
     if context.invoked_subcommand is not None:
         return
     with any_service() as client:
-        sweeps = [submitted(client, request) for request in evaluation(seeds, scale)]
+        requests, kept = wanted(client, evaluation(seeds, scale), output)
+        sweeps = [submitted(client, request) for request in requests]
         for sweep in sweeps:
             say(f"{sweep.name}:  {client.url}/sweeps/{sweep.id}?figures=1")
         codes = [follow(client, sweep.id, console) for sweep in sweeps]
-        write(client, sweeps, output)
-    raise SystemExit(max(codes))
+        write(client, sweeps, output, kept)
+    raise SystemExit(max(codes, default=0))
 
 
 @app.command(name="write")
@@ -62,7 +66,21 @@ def write_results(
 ) -> None:
     """Write what the evaluation has measured so far, without waiting for its end."""
     with any_service() as client:
-        write(client, [submitted(client, request) for request in evaluation(seeds, scale)], output)
+        requests, kept = wanted(client, evaluation(seeds, scale), output)
+        write(client, [submitted(client, request) for request in requests], output, kept)
+
+
+@app.command()
+def derive(output: Output = Path("results")) -> None:
+    """Write gains.csv and figure 7 again, from the folder's measurements; needs no service."""
+    results.derive(output)
+    say(f"Wrote {output}/gains.csv and {output}/figure-7.*")
+
+
+@app.command()
+def summary(output: Output = Path("results")) -> None:
+    """Print what the folder's measurements say to the evaluation's questions, in Markdown."""
+    typer.echo(summarized(output))
 
 
 @app.command()
@@ -143,10 +161,24 @@ def submitted(client: Client, request: Mapping[str, Any]) -> SweepAnswer:
     return client.submit(request, f"paper {hashlib.sha256(text.encode()).hexdigest()[:32]}")
 
 
-def write(client: Client, sweeps: Iterable[SweepAnswer], output: Path) -> None:
+def wanted(
+    client: Client, requests: Sequence[Mapping[str, Any]], output: Path
+) -> tuple[list[Mapping[str, Any]], Former]:
+    """The sweeps to ask the service for, and what the folder has of the others; says which.
+
+    Others are whole in the folder, and the service, which may be a new one, does not have them.
+    """
+    held = [sweep.request for sweep in client.sweeps()]
+    whole = whole_sweeps(output, [request for request in requests if request not in held])
+    for request in whole:
+        say(f"{request['name']}:  whole in {output}/, not trained again")
+    return [request for request in requests if request not in whole], former(output, whole)
+
+
+def write(client: Client, sweeps: Iterable[SweepAnswer], output: Path, kept: Former) -> None:
     """Write the results of the sweeps as they now stand, and say what is lacking."""
     now = [client.sweep(sweep.id) for sweep in sweeps]
-    for sentence in results.write(client, now, output):
+    for sentence in results.write(client, now, output, kept):
         say(sentence)
     ended = sum(sweep.runs.succeeded for sweep in now)
     total = sum(sweep.runs.total for sweep in now)

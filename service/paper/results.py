@@ -6,10 +6,12 @@
     table-1.csv, table-1.md
     statistics.json                            `GET /sweeps/{id}/statistics`, by sweep
     gains.csv                                  service.paper.differences
+    figure-7.svg, .png and .csv                service.paper.today
     provenance.json
 
-The figures of tables, statistics and gains follow from measurements, scores and random returns.
-An evaluation that goes on can be written too: provenance tells how many of its runs have ended.
+The numbers of tables, statistics, gains and figure 7 follow from measurements, scores and random
+returns. An evaluation that goes on can be written too: provenance tells how many of its runs have
+ended.
 """
 
 import csv
@@ -34,8 +36,10 @@ from service.client import Client, ServiceError
 from service.paper import measured
 from service.paper.differences import gains
 from service.paper.evaluation import FIGURES, row
+from service.paper.former import NOTHING, Former
 from service.paper.gain_file import write_gains
 from service.paper.score_files import Row, write_random_returns, write_scores
+from service.paper.today import write_figure
 
 FORMS: tuple[Form, ...] = ("svg", "png")
 TABLES: Mapping[Literal["csv", "markdown"], str] = {
@@ -79,8 +83,13 @@ class Swept:
         return cls(sweep, runs, rows, {panel.environment: panel.random_return for panel in panels})
 
 
-def write(client: Client, sweeps: Sequence[SweepAnswer], folder: Path) -> list[str]:
-    """Write the evaluation's files, and return a sentence for each that could not be made."""
+def write(
+    client: Client, sweeps: Sequence[SweepAnswer], folder: Path, kept: Former = NOTHING
+) -> list[str]:
+    """Write the evaluation's files, and return a sentence for each that could not be made.
+
+    What is kept of sweeps that are not among these stands beside them.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     swept = [Swept.of(client, sweep) for sweep in sweeps]
     runs = [(run, one.rows[run.id]) for one in swept for run in one.runs]
@@ -89,10 +98,13 @@ def write(client: Client, sweeps: Sequence[SweepAnswer], folder: Path) -> list[s
         _write_measurements(folder, one)
         if "4" in figures_of(one.sweep):
             _write_table(client, one.sweep, folder)
-    write_scores(folder / "scores.csv", runs)
-    write_random_returns(folder / "random-returns.csv", zeros)
-    _write_statistics(client, [one.sweep for one in swept], folder)
-    _write_provenance(folder / "provenance.json", swept)
+    write_scores(folder / "scores.csv", runs, kept.scores)
+    write_random_returns(folder / "random-returns.csv", zeros, kept.random_returns)
+    statistics = _statistics(client, [one.sweep for one in swept])
+    _write_json(folder / "statistics.json", {**kept.statistics, **statistics})
+    evidence = {**kept.evidence, **{one.sweep.name: _provenance(one) for one in swept}}
+    made = {"versions": versions(), "machine": machine(), "sweeps": evidence}
+    _write_json(folder / "provenance.json", made)
     derive(folder)
     return [sentence for one in swept for sentence in _write_figures(client, one.sweep, folder)]
 
@@ -101,6 +113,7 @@ def derive(folder: Path) -> None:
     """Write what follows from the files of measurements, scores and random returns."""
     runs, scales = measured.read_runs(folder), measured.read_scales(folder)
     write_gains(folder / "gains.csv", gains(runs, scales))
+    write_figure(folder, runs, scales)
 
 
 def figures_of(sweep: SweepAnswer) -> tuple[FigureNumber, ...]:
@@ -108,18 +121,12 @@ def figures_of(sweep: SweepAnswer) -> tuple[FigureNumber, ...]:
     return FIGURES.get(sweep.name, ())
 
 
-def _write_statistics(client: Client, sweeps: Iterable[SweepAnswer], folder: Path) -> None:
-    found = {
+def _statistics(client: Client, sweeps: Iterable[SweepAnswer]) -> dict[str, Any]:
+    return {
         sweep.name: client.statistics(sweep.id).model_dump(mode="json")
         for sweep in sweeps
         if figures_of(sweep) != ("2",)  # a critic says nothing of how well its learner does
     }
-    _write_json(folder / "statistics.json", found)
-
-
-def _write_provenance(file: Path, swept: Iterable[Swept]) -> None:
-    evidence = {one.sweep.name: _provenance(one) for one in swept}
-    _write_json(file, {"versions": versions(), "machine": machine(), "sweeps": evidence})
 
 
 def _write_json(file: Path, document: Mapping[str, Any]) -> None:

@@ -25,20 +25,34 @@ Row = Mapping[str, str]
 SPEC = ("environment", "version", "algorithm", "w1", "w2", "config", "seed", "timesteps", "status")
 
 
-def write_scores(file: Path, measured: Iterable[tuple[RunAnswer, Sequence[Row]]]) -> None:
-    """Write scores.csv, of runs and their measurements; a run without any has no scores."""
+def write_scores(
+    file: Path, measured: Iterable[tuple[RunAnswer, Sequence[Row]]], former: Iterable[Row] = ()
+) -> None:
+    """Write scores.csv, of runs and their measurements; a run without any has no scores.
+
+    The lines of `former` runs are written as they are, first.
+    """
     lines = ((*_spec(run), *_scores(run, rows)) for run, rows in measured)
-    _write(file, (*SPEC, *SCORES), lines)
+    _write(file, (*SPEC, *SCORES), [*(list(line.values()) for line in former), *lines])
 
 
-def write_random_returns(file: Path, zeros: Mapping[str, RandomReturnAnswer | None]) -> None:
-    """Write random-returns.csv, for the tasks whose random return is known."""
-    lines = (
-        (environment, zero.mean, zero.low, zero.high, zero.episodes, best_return(environment))
-        for environment, zero in sorted(zeros.items())
+def write_random_returns(
+    file: Path, zeros: Mapping[str, RandomReturnAnswer | None], former: Iterable[Row] = ()
+) -> None:
+    """Write random-returns.csv, for the tasks whose random return is known, else was `former`ly."""
+    lines: dict[str, Sequence[object]] = {
+        line["environment"]: list(line.values()) for line in former
+    } | {
+        environment: (environment, *_random(zero), best_return(environment))
+        for environment, zero in zeros.items()
         if zero is not None
-    )
-    _write(file, ("environment", "random", "low", "high", "episodes", "best"), lines)
+    }
+    header = ("environment", "random", "low", "high", "episodes", "best")
+    _write(file, header, [lines[environment] for environment in sorted(lines)])
+
+
+def _random(zero: RandomReturnAnswer) -> tuple[float, ...]:
+    return zero.mean, zero.low, zero.high, zero.episodes
 
 
 def _write(file: Path, header: Sequence[str], lines: Iterable[Sequence[object]]) -> None:

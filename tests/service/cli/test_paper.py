@@ -3,6 +3,7 @@
 import csv
 import json
 import threading
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,6 +14,7 @@ from service.client import Client
 from service.paper import evaluation, tuning
 from service.store.store import Store
 from tests.service.cli.conftest import Command
+from tests.service.paper.measured_folder import Runs, write_evidence, write_folder
 from tests.service.training import RANDOM, random_return, rising, train
 
 QUICK = ("--seeds", "2", "--scale", "0.001")
@@ -94,6 +96,14 @@ def test_an_evaluation_is_taken_up_and_written(
         "ddpg", "hybrid-ddpg", "mpc", "sac", "hybrid-sac", "sac-with-learned-temperature"
     }  # fmt: skip
 
+    written = (tmp_path / "gains.csv").read_bytes()
+    (tmp_path / "gains.csv").unlink()
+    (tmp_path / "figure-7.csv").unlink()
+    d3pg("paper", "derive", "-o", str(tmp_path))
+    assert (tmp_path / "gains.csv").read_bytes() == written
+    assert {row["learner"] for row in rows_of(tmp_path / "figure-7.csv")} >= {"ddpg", "mpc", "sac"}
+    assert "## hybrid-sac minus" in d3pg("paper", "summary", "-o", str(tmp_path)).stdout
+
     scores = [
         row
         for row in rows_of(tmp_path / "scores.csv")
@@ -111,6 +121,42 @@ def test_an_evaluation_is_taken_up_and_written(
     assert provenance["sweeps"][sweep.name]["runs"]["succeeded"] == 6
     assert provenance["sweeps"][sweep.name]["core seconds"] > 0
     assert provenance["sweeps"][sweep.name]["compile core seconds"] == round(6 * 0.25)
+
+
+def test_a_sweep_that_the_folder_has_whole_is_not_trained_by_a_new_service(
+    d3pg: Command,
+    service: Client,
+    store: Store,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    on_policy = {**evaluation.ON_POLICY, "environments": ["Pendulum"]}
+    twin = {**evaluation.TWIN, "environments": ["CartPole"]}
+    monkeypatch.setattr(evaluation, "SWEEPS", (on_policy, twin))
+    store.record_random_return(random_return("CartPole", RANDOM))
+    results = tmp_path / "results"
+    learners = [Runs("Pendulum", name, [5.0, 6.0]) for name in ("ppo", "shac")]
+    write_folder(results, [*learners, Runs("CartPole", "ddpg", [1.0])])
+    whole, lacking = evaluation.evaluation(2, 0.001)
+    write_evidence(results, whole)
+    former = (results / "measurements/Pendulum/ppo.csv").read_bytes()
+
+    with workers(store):
+        said = " ".join(d3pg("paper", *QUICK, "-o", str(results)).stdout.split())
+    assert f"{whole['name']}: whole in" in said
+    assert [sweep.name for sweep in service.sweeps()] == [lacking["name"]]
+    assert (results / "measurements/Pendulum/ppo.csv").read_bytes() == former
+    scores = [(row["environment"], row["algorithm"]) for row in rows_of(results / "scores.csv")]
+    assert Counter(scores) == {
+        ("Pendulum", "ppo"): 2, ("Pendulum", "shac"): 2,
+        ("CartPole", "td3"): 2, ("CartPole", "hybrid-td3"): 2,
+    }  # fmt: skip
+    zeros = {row["environment"]: row["random"] for row in rows_of(results / "random-returns.csv")}
+    assert zeros == {"CartPole": str(RANDOM), "Pendulum": "0.0"}
+    for name in ("provenance.json", "statistics.json"):
+        document = json.loads((results / name).read_text())
+        assert set(document.get("sweeps", document)) == {whole["name"], lacking["name"]}
+    assert {row["algorithm"] for row in rows_of(results / "gains.csv")} == {"hybrid-td3"}
 
 
 def test_tuning_gives_the_hybrids_what_suited_ddpg(

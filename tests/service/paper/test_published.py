@@ -13,7 +13,7 @@ import scipy.stats
 
 from service.analysis.statistics.stratified_bootstrap import draw_counts
 from service.paper.differences import FAMILIES
-from service.paper.evaluation import TASKS
+from service.paper.evaluation import FEWER_SEEDS, TASKS
 from tests.service.analysis.statistics import rliable
 from tests.service.paper import published
 from tests.service.paper.published import Cell, Floats, measurements, runs, scales
@@ -40,8 +40,8 @@ def mean_with_interval(values: Floats) -> tuple[float, float, float, float]:
     if len(values) < 2:
         return (*values, *[np.nan] * 4)[:4]
     mean, error = float(values.mean()), float(scipy.stats.sem(values))
-    low, high = scipy.stats.t.interval(0.95, len(values) - 1, loc=mean, scale=error)
-    return mean, float(values.std(ddof=1)), float(low), float(high)
+    reach = float(scipy.stats.t.ppf(0.975, len(values) - 1)) * error
+    return mean, float(values.std(ddof=1)), mean - reach, mean + reach
 
 
 def drawn(counts: Floats) -> Iterator[np.ndarray[Any, np.dtype[np.int64]]]:
@@ -81,8 +81,7 @@ def test_scores_follow_from_the_measurements() -> None:
             timesteps, returns = run["timestep"], run["return_mean"]
             in_window = timesteps > 0.9 * int(line["timesteps"])
             in_window[-1] = True
-            along = np.trapezoid(returns, timesteps) / np.ptp(timesteps)
-            area = along if len(returns) > 1 else returns[0]
+            area = cut(timesteps, returns, timesteps[-1])
             assert float(line["final"]) == pytest.approx(returns[in_window].mean(), rel=1e-12)
             assert float(line["return_history"]) == run["return_history"][-1]
             assert float(line["area"]) == pytest.approx(area, rel=1e-12)
@@ -114,8 +113,7 @@ def test_table_1_follows_from_the_scores(line: Mapping[str, str]) -> None:
     cell = published.cell_of(line)
     values = published.scores(cell, "return_history")
     listed = list(runs()[cell].values())
-    counts = [len(listed), len(values), len(values)]
-    assert [int(line[name]) for name in ("runs", "ended", "n")] == counts
+    assert [int(line[name]) for name in ("runs", "n")] == [len(listed), len(values)]
     printed = [float(line[name] or "nan") for name in ("mean", "std", "low", "high")]
     assert printed == pytest.approx(mean_with_interval(values), abs=1e-12, nan_ok=True)
     assert {each["timesteps"] for each in listed} == {line["timesteps"]}
@@ -170,7 +168,10 @@ def cut(x: Floats, y: Floats, end: float) -> float:
 
 
 def differences(cell: Cell, baseline: Cell, cost: str) -> Floats:
-    """What each seed gains over its baseline at equal cost, in units of the normalised scale."""
+    """What each seed gains over its baseline at equal cost, in units of the normalised scale.
+
+    Nothing of a pair in which one was not measured yet when the other had spent all.
+    """
     found = []
     for seed in sorted({*published.ended(cell)} & {*published.ended(baseline)}):
         run, other = measurements()[cell][seed], measurements()[baseline][seed]
@@ -178,7 +179,7 @@ def differences(cell: Cell, baseline: Cell, cost: str) -> Floats:
         end = min(ours[-1], theirs[-1])
         gained = cut(ours, run["return_mean"], end) - cut(theirs, other["return_mean"], end)
         found.append(gained / scales()[cell[0]].unit)
-    return np.array(found)
+    return np.array([each for each in found if np.isfinite(each)])
 
 
 GAINS = list(published.lines("gains.csv"))
@@ -258,6 +259,45 @@ def test_pairs_that_a_run_spoiled_are_told() -> None:
             if {"failed", "diverged", "cancelled"} & {ours[seed]["status"], theirs[seed]["status"]}
         }
         assert int(line["failed"]) == len(spoiled)
+
+
+# Figure 7
+
+
+@pytest.mark.skipif(
+    not (published.RESULTS / "figure-7.csv").exists(), reason="no run of it has ended yet"
+)
+def test_figure_7_follows_from_the_measurements() -> None:
+    """The lines over timesteps, and which runs they are of."""
+    lines = list(published.lines("figure-7.csv"))
+    assert lines
+    for line in lines:
+        cells = shown(line["learner"])
+        assert (int(line["tasks"]), int(line["runs"])) == (len(cells), sum(map(len, cells)))
+        if line["of"] == "interquartile mean by timesteps":
+            values = [
+                np.interp(float(line["x"]), *run, left=np.nan) for runs in cells for run in runs
+            ]
+            assert float(line["value"]) == pytest.approx(iqm([np.array(values)]), abs=1e-5)
+
+
+def shown(learner: str) -> list[list[tuple[Floats, Floats]]]:
+    """Shares of ddpg's timesteps and normalised returns of a learner's runs, by task."""
+    found = []
+    for cell in runs():
+        task, name, *_ = cell
+        baseline = [*[each for each in runs() if each[:2] == (task, "ddpg")], None][0]
+        if name != learner or task == "MassPoint" or baseline is None:
+            continue
+        if not any(seed < FEWER_SEEDS for seed in published.ended(baseline)):
+            continue
+        asked, scale = int(runs()[baseline][0]["timesteps"]), scales()[task]
+        own = [measurements()[cell][seed] for seed in published.ended(cell) if seed < FEWER_SEEDS]
+        found.append([
+            (run["timestep"] / asked, (run["return_mean"] - scale.random) / scale.unit)
+            for run in own
+        ])  # fmt: skip
+    return [each for each in found if each]
 
 
 # Statistics

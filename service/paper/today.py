@@ -1,0 +1,104 @@
+"""Figure 7: the learners of today and the hybrids, in the paper's tasks and three more.
+
+A share of the timesteps is of those that ddpg's runs have in the task; a share of the time is of
+the mean processor time of ddpg's runs there. Every learner counts with the seeds that all of them
+have, and with its runs that reached their end.
+"""
+
+import csv
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from service.analysis.comparison import grouped
+from service.analysis.figures import today_figure
+from service.analysis.figures.figure_form import Form
+from service.analysis.overview import Learner, Line, SharedRun, Standing, standings
+from service.paper.evaluation import FEWER_SEEDS, MORE_TASKS, TASKS
+from service.paper.measured import ENDED, MeasuredRun, Scale
+
+FORMS: tuple[Form, ...] = ("svg", "png")
+REFERENCE = "ddpg"
+ROWS = (
+    *("ddpg", "hybrid-ddpg-robust", "hybrid-ddpg", "hybrid-ddpg-cosine", "td3", "hybrid-td3"),
+    *("sac", "hybrid-sac", "sac with learned temperature", "ppo", "shac", "gd", "mpc"),
+)
+"""The learners, in the order of the figure."""
+
+
+def write_figure(
+    folder: Path, runs: Sequence[MeasuredRun], scales: Mapping[str, Scale]
+) -> list[Standing]:
+    """Write figure-7 as pictures and its numbers beside them; nothing before the first run ends."""
+    found = standings(learners(runs, scales))
+    if found:
+        _write_numbers(folder / "figure-7.csv", found)
+        for form in FORMS:
+            (folder / f"figure-7.{form}").write_bytes(today_figure.draw(found, form))
+    return found
+
+
+def learners(runs: Sequence[MeasuredRun], scales: Mapping[str, Scale]) -> list[Learner]:
+    """Return the learners with runs at their end, in tasks where the reference has some too."""
+    counted = [
+        run
+        for run in runs
+        if run.status == ENDED
+        and run.seed < FEWER_SEEDS
+        and run.environment in scales
+        and np.isfinite(run.columns["return_mean"]).all()
+    ]
+    cells = grouped(counted, lambda run: (run.row, run.environment))
+    return [
+        Learner(row, cells[row, tasks[0]][0].algorithm, {
+            task: _shared(cells[row, task], cells[REFERENCE, task], scales[task]) for task in tasks
+        })
+        for row in ROWS
+        if (
+            tasks := [
+                task
+                for task in (*TASKS, *MORE_TASKS)
+                if {(row, task), (REFERENCE, task)} <= cells.keys()
+            ]
+        )
+    ]  # fmt: skip
+
+
+def _shared(
+    runs: Sequence[MeasuredRun], reference: Sequence[MeasuredRun], scale: Scale
+) -> list[SharedRun]:
+    timesteps = reference[0].timesteps
+    seconds = np.mean([run.columns["seconds"][-1] for run in reference])
+    return [
+        SharedRun(
+            run.columns["timestep"] / timesteps,
+            run.columns["seconds"] / seconds,
+            (run.columns["return_mean"] - scale.random) / scale.unit,
+        )
+        for run in runs
+    ]
+
+
+def _write_numbers(file: Path, found: Sequence[Standing]) -> None:
+    with file.open("w", encoding="utf-8", newline="") as output:
+        writer = csv.writer(output, lineterminator="\n")
+        writer.writerow(("learner", "tasks", "runs", "of", "x", "value", "low", "high"))
+        for one in found:
+            place = (one.label, one.tasks, one.runs)
+            writer.writerows((*place, *numbers) for numbers in _numbers(one))
+
+
+def _numbers(one: Standing) -> Iterator[tuple[str, ...]]:
+    yield ("mean rank", "", *_decimals(one.rank.value, one.rank.low, one.rank.high))
+    for name, line in (("timesteps", one.by_timesteps), ("time", one.by_time)):
+        yield from _points(f"interquartile mean by {name}", line)
+
+
+def _points(of: str, line: Line) -> Iterator[tuple[str, ...]]:
+    for x, *values in zip(line.x, line.mean, line.low, line.high, strict=True):
+        yield (of, f"{x:.4g}", *_decimals(*values))
+
+
+def _decimals(*values: float) -> tuple[str, ...]:
+    return tuple(f"{value:.5f}" for value in values)

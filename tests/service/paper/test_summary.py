@@ -1,0 +1,42 @@
+"""The summary of an evaluation, from its files alone."""
+
+from pathlib import Path
+
+from service.paper.summary import summarized
+from tests.service.paper.measured_folder import Runs, write_folder
+
+
+def lines(folder: Path) -> list[str]:
+    return summarized(folder).splitlines()
+
+
+def test_verdicts_are_counted_at_equal_timesteps_and_at_equal_time(tmp_path: Path) -> None:
+    """The hybrid reaches twice as far in the same timesteps, at four times the time."""
+    write_folder(tmp_path, [
+        Runs("Pendulum", "td3", [2.0] * 10),
+        Runs("Pendulum", "hybrid-td3", [4.0] * 10, cost=4.0),
+        Runs("CartPole", "td3", [2.0] * 10),
+        Runs("CartPole", "hybrid-td3", [4.0] * 10, cost=4.0, statuses={9: "failed"}),
+    ])  # fmt: skip
+    found = lines(tmp_path)
+    assert found[0] == "## hybrid-td3 minus its baseline"
+    assert found[2].startswith("- equal timesteps: better on 2, behind on 0, not told apart on 0, ")
+    assert found[2].endswith("not known on 5 of the paper's 7 tasks")
+    assert found[3].startswith("- equal processor time: better on 0, behind on 2, ")
+    [pendulum] = [line for line in found if line.startswith("| Pendulum")]
+    assert "**+0.110** [0.110, 0.110], p 0.014, 10 of 10, better" in pendulum
+    assert pendulum.endswith("0 of 10, behind |")
+    [cart] = [line for line in found if line.startswith("| CartPole")]
+    assert "9 of 9, 1 failed, better" in cart
+
+
+def test_learners_on_the_cheetah_are_listed_the_best_first(tmp_path: Path) -> None:
+    write_folder(tmp_path, [
+        Runs("HalfCheetah", "ddpg", [4.0, 4.0]),
+        Runs("HalfCheetah", "sac", [8.0, 8.0], {"temperature": "learned"}),
+        Runs("HalfCheetah", "shac", [9.0, 9.0], statuses={0: "running", 1: "running"}),
+    ])  # fmt: skip
+    *_, first, second, third = lines(tmp_path)
+    assert first == ("| sac with learned temperature | 0.800 [0.800, 0.800] | 0.440 | 2 of 2 |")
+    assert second.startswith("| ddpg | 0.400")
+    assert third.endswith("| 0 of 2 |")
