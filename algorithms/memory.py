@@ -8,25 +8,51 @@ The last term, the derivatives, is there where gradients are matched. Each equal
 Glossary: `F` features, `C` seen coordinates, `m` actions, `n` state size, `T` horizon.
 """
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 import physics
 from algorithms import catalogue
 from algorithms.presets import completed
 from algorithms.settings import GDConfig, MPCConfig, PPOConfig, SHACConfig
 
-if TYPE_CHECKING:
-    from physics.environment import Environment
-
 DOUBLE, SINGLE = 8, 4
+
+
+class Sizes(Protocol):
+    """What is asked of a task: the task itself has it, and so has whoever knows its constants."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+
+    @property
+    def state_size(self) -> int:
+        """n."""
+
+    @property
+    def action_size(self) -> int:
+        """m."""
+
+    @property
+    def feature_size(self) -> int:
+        """F."""
+
+    @property
+    def feature_sources(self) -> Sequence[int] | NDArray[np.int64]:
+        """[F], the one coordinate that each feature depends on."""
+
+    @property
+    def horizon(self) -> int:
+        """T."""
 
 
 def bytes_per_run(
     algorithm: str,
-    environment: str,
+    environment: str | Sizes,
     weights: tuple[float, float],
     timesteps: int,
     config: Mapping[str, Any],
@@ -37,14 +63,13 @@ def bytes_per_run(
         ValueError: for an unknown name or an invalid value.
     """
     chosen = catalogue.find(algorithm)
-    settings = chosen.config_class()(**completed(algorithm, environment, config))
+    sizes = physics.make(environment) if isinstance(environment, str) else environment
+    settings = chosen.config_class()(**completed(algorithm, sizes.name, config))
     of_run = chosen.load_memory()
-    return 0 if of_run is None else of_run(physics.make(environment), weights, timesteps, settings)
+    return 0 if of_run is None else of_run(sizes, weights, timesteps, settings)
 
 
-def of_replay(
-    environment: "Environment", weights: tuple[float, float], timesteps: int, config: Any
-) -> int:
+def of_replay(environment: Sizes, weights: tuple[float, float], timesteps: int, config: Any) -> int:
     """A replay that has room for all that it ever has to hold."""
     features, m = environment.feature_size, environment.action_size
     columns = np.unique(environment.feature_sources).size + m
@@ -56,14 +81,14 @@ def of_replay(
 
 
 def of_episodes(
-    environment: "Environment", weights: tuple[float, float], timesteps: int, config: GDConfig
+    environment: Sizes, weights: tuple[float, float], timesteps: int, config: GDConfig
 ) -> int:
     """GD: one update's episodes, whatever the weights and timesteps."""
     del weights, timesteps
     return episode_bytes(environment, config)
 
 
-def episode_bytes(environment: "Environment", config: GDConfig) -> int:
+def episode_bytes(environment: Sizes, config: GDConfig) -> int:
     """Episodes as they come and stacked, and the network's pass over them."""
     n, m, inputs = environment.state_size, environment.action_size, environment.feature_size
     units = config.hidden_units * config.hidden_layers
@@ -72,7 +97,7 @@ def episode_bytes(environment: "Environment", config: GDConfig) -> int:
 
 
 def of_linearized_window(
-    environment: "Environment", weights: tuple[float, float], timesteps: int, config: SHACConfig
+    environment: Sizes, weights: tuple[float, float], timesteps: int, config: SHACConfig
 ) -> int:
     """SHAC: one window, whatever the weights and timesteps."""
     del weights, timesteps
@@ -80,14 +105,14 @@ def of_linearized_window(
 
 
 def of_window(
-    environment: "Environment", weights: tuple[float, float], timesteps: int, config: PPOConfig
+    environment: Sizes, weights: tuple[float, float], timesteps: int, config: PPOConfig
 ) -> int:
     """PPO: the same without derivatives."""
     del weights, timesteps
     return window_bytes(environment, config, linearized=False)
 
 
-def window_bytes(environment: "Environment", config: Any, *, linearized: bool) -> int:
+def window_bytes(environment: Sizes, config: Any, *, linearized: bool) -> int:
     """A window as it comes, stacked and of one run alone, and the networks' passes over it."""
     n, m, inputs = environment.state_size, environment.action_size, environment.feature_size
     units = config.hidden_units * config.hidden_layers
@@ -98,7 +123,7 @@ def window_bytes(environment: "Environment", config: Any, *, linearized: bool) -
 
 
 def of_plan(
-    environment: "Environment", weights: tuple[float, float], timesteps: int, config: MPCConfig
+    environment: Sizes, weights: tuple[float, float], timesteps: int, config: MPCConfig
 ) -> int:
     """MPC: a trajectory over the whole episode, its expansion and the gains, whatever else."""
     del weights, timesteps, config

@@ -103,6 +103,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from algorithms import catalogue
+from physics.parameter import name_of
 
 NO_WEIGHTS = (0.0, 0.0)
 SMALLEST_WEIGHT, LARGEST_WEIGHT = 1e-30, 1e30
@@ -274,8 +275,10 @@ ALONE: Mapping[tuple[str, str], Preset] = {
 def preset(algorithm: str, environment: str) -> Preset:
     """The preset of an algorithm on a task, also on one that nothing was chosen for.
 
-    A hybrid matches gradients on every task, and has its baseline's settings and timesteps there.
+    Values of the task's parameters, as in `Pendulum(gravity=9.81)`, are of no account. A hybrid
+    matches gradients on every task, and has its baseline's settings and timesteps there.
     """
+    environment = name_of(environment)
     if (algorithm, environment) in ALONE:
         return ALONE[algorithm, environment]
     matched = WEIGHTS.get(algorithm)

@@ -13,6 +13,8 @@ from algorithms.learner import Learner
 from algorithms.presets import LARGEST_WEIGHT, SMALLEST_WEIGHT, completed, preset
 from physics.environment import Environment
 
+Task = str | Environment | type[Environment]
+
 
 @dataclass(frozen=True)
 class Prepared:
@@ -36,12 +38,12 @@ class Prepared:
     @property
     def title(self) -> str:
         """What is trained, in words."""
-        return f"{self.algorithm.name} on {self.environment.name}"
+        return f"{self.algorithm.name} on {self.environment.label}"
 
 
 def build(
     algorithm: str | Algorithm,
-    environment: str,
+    environment: Task,
     seeds: Iterable[int],
     weights: tuple[float, float] | None = None,
     timesteps: int | None = None,
@@ -53,7 +55,7 @@ def build(
 
 def prepare(
     algorithm: str | Algorithm,
-    environment: str,
+    environment: Task,
     seeds: Iterable[int],
     weights: tuple[float, float] | None = None,
     timesteps: int | None = None,
@@ -63,11 +65,11 @@ def prepare(
 
     Same arguments and ValueError as `train`. Nothing is compiled before that call.
     """
-    chosen, task = catalogue.find(algorithm), physics.make(environment)
-    usual = preset(chosen.name, environment)
+    chosen, task = catalogue.find(algorithm), physics.as_task(environment)
+    usual = preset(chosen.name, task.name)
     steps = usual.timesteps if timesteps is None else timesteps
     pair = usual.weights if weights is None else weights
-    settings = chosen.config_class()(**completed(chosen.name, environment, config or {}))
+    settings = chosen.config_class()(**completed(chosen.name, task.name, config or {}))
     check_pair(chosen, task)
     numbers, steps = seed_numbers(seeds), step_number(steps)
     check_weights(chosen, pair)

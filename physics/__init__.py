@@ -1,8 +1,8 @@
 """The tasks: simulators with exact derivatives, for NumPy, torch and Gymnasium.
 
-`make`, `names`, `compile_kernels` and `torch_step` are loaded on first use (PEP 562), so that
-`import physics` alone loads neither torch nor numba. The tasks are registered with Gymnasium when
-someone imports it, before or after this package.
+`as_task`, `make`, `names`, `compile_kernels` and `torch_step` are loaded on first use (PEP 562), so
+that `import physics` alone loads neither torch nor numba. The tasks are registered with Gymnasium
+when someone imports it, before or after this package.
 """
 
 from importlib import import_module
@@ -12,11 +12,12 @@ from physics.gym.import_watch import when_imported
 
 if TYPE_CHECKING:
     from physics.autograd import torch_step
-    from physics.catalogue import compile_kernels, make, names
+    from physics.catalogue import as_task, compile_kernels, make, names
 
-__all__ = ["compile_kernels", "make", "names", "torch_step"]
+__all__ = ["as_task", "compile_kernels", "make", "names", "torch_step"]
 
 _HOMES = {
+    "as_task": "physics.catalogue",
     "compile_kernels": "physics.catalogue",
     "make": "physics.catalogue",
     "names": "physics.catalogue",

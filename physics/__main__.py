@@ -7,7 +7,7 @@ import time
 from physics.audit.audit import audit
 from physics.audit.notes import failures, notes
 from physics.audit.record import COUNT, RegimeAudit, as_table, write_record
-from physics.catalogue import make, names
+from physics.catalogue import as_task, names
 from physics.environment import Environment
 from physics.kernels.compile_notice import compile_notice
 
@@ -19,12 +19,14 @@ def main() -> int:
     compiling = commands.add_parser("compile", help="compile every kernel, or load it")
     auditing = commands.add_parser("audit", help="hold every derivative against differences")
     for command in (compiling, auditing):
-        command.add_argument("names", nargs="*", help="tasks (default: all)")
+        command.add_argument(
+            "names", nargs="*", help="tasks, as names or as my_tasks.py:Arm (default: all)"
+        )
     auditing.add_argument("--count", type=int, default=COUNT, help="smooth states of each regime")
     auditing.add_argument("--write", action="store_true", help="keep it as the project's record")
     arguments = parser.parse_args()
     try:
-        tasks = [make(name) for name in arguments.names or names()]
+        tasks = [as_task(name) for name in arguments.names or names()]
     except ValueError as error:
         parser.error(str(error))
     compile_all(tasks)
@@ -36,9 +38,9 @@ def main() -> int:
 def compile_all(tasks: list[Environment]) -> None:
     """Compile task by task, saying so."""
     for task in tasks:
-        with compile_notice(task.name):
+        with compile_notice(task.label):
             seconds = task.compile()
-        say(f"kernels of {task.name}: {seconds:.2f} s")
+        say(f"kernels of {task.label}: {seconds:.2f} s")
 
 
 def audit_all(tasks: list[Environment], count: int, keep: bool) -> int:
@@ -46,16 +48,16 @@ def audit_all(tasks: list[Environment], count: int, keep: bool) -> int:
     rows: list[RegimeAudit] = []
     remarks: list[str] = []
     for task in tasks:
-        say(f"audit of {task.name} ...")
+        say(f"audit of {task.label} ...")
         start = time.perf_counter()
         try:
-            with compile_notice(f"the audit of {task.name}"):
+            with compile_notice(f"the audit of {task.label}"):
                 found = audit(task, count)
                 remarks += [*failures(found, count), *notes(task, found)]
             rows += found
         except Exception as error:
-            remarks.append(f"NOT PASSED: {task.name}: {type(error).__name__}: {error}")
-        say(f"audit of {task.name}: {time.perf_counter() - start:.1f} s")
+            remarks.append(f"NOT PASSED: {task.label}: {type(error).__name__}: {error}")
+        say(f"audit of {task.label}: {time.perf_counter() - start:.1f} s")
     say(as_table(rows))
     for remark in remarks:
         say(remark)

@@ -3,12 +3,18 @@
 An installed package adds a task of its own through the entry-point group `d3pg.environments`, with
 the task's name and `module:Class`. The project's own are written the same way, and loaded when
 made: listing names loads no simulator.
+
+A task without an entry point is named by its file, `my_tasks.py:Arm`, or given as an object.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from difflib import get_close_matches
 from importlib.metadata import EntryPoint, entry_points
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from physics import parameter
+from physics.task_check import CheckedWhenMade
+from physics.task_file import Reference, make_task
 
 if TYPE_CHECKING:
     from physics.environment import Environment
@@ -38,16 +44,48 @@ def names() -> list[str]:
     ]
 
 
-def make(name: str) -> "Environment":
+def make(name: str, /, **parameters: float) -> "Environment":
     """Make the task of that name.
 
     Args:
-        name: a name that `names()` lists.
+        name: a name that `names()` lists; or a file and a task in it, `my_tasks.py:Arm` (without
+            the task where the file has one). Values of parameters may follow the name, as in
+            `Pendulum(gravity=9.81)`.
+        parameters: values of the task's physical parameters; all others have their defaults.
 
     Raises:
         ValueError: for an unknown name, naming the nearest known one; for an installed task that
-            cannot be made, with all its mistakes, or whose name differs from its entry point's.
+            cannot be made, with all its mistakes, or whose name differs from its entry point's;
+            for a file that cannot be loaded, with the line; for an unknown parameter, and a value
+            out of its range.
     """
+    plain, values = parameter.parse(name)
+    reference = Reference.parse(plain)
+    task = _installed(plain) if reference is None else make_task(reference)
+    values |= parameters
+    return task.with_parameters(**values) if values else task
+
+
+def as_task(task: "str | Environment | type[Environment]") -> "Environment":
+    """The task itself, whether it is given by name (see `make`), as a class or as an instance.
+
+    Raises:
+        ValueError: as `make`, and for anything else.
+    """
+    if isinstance(task, str):
+        return make(task)
+    made: Any = task() if isinstance(task, CheckedWhenMade) else task
+    if isinstance(type(made), CheckedWhenMade):
+        environment: Environment = made
+        return environment
+    raise ValueError(
+        "a task is a name that physics.names() lists, a file such as 'my_tasks.py:Arm', or a class "
+        f"or an instance of Environment, not {task!r}"
+    )
+
+
+def _installed(name: str) -> "Environment":
+    """Make the task of an entry point. For errors see `make`."""
     entry = _entry(name)
     try:
         environment: Environment = entry.load()()
@@ -84,8 +122,12 @@ def _entry(name: str) -> EntryPoint:
     for entry in entry_points(group=GROUP):
         if entry.name == name:
             return entry
-    known = names()
+    raise ValueError(unknown_task(name, names()))
+
+
+def unknown_task(name: str, known: Sequence[str]) -> str:
+    """The sentence for a name that is none of the known tasks."""
     folded = {each.casefold(): each for each in known}
     near = get_close_matches(str(name).casefold(), folded, n=1, cutoff=0.5)
     hint = f"; did you mean {folded[near[0]]!r}?" if near else ""
-    raise ValueError(f"unknown environment {name!r}{hint} (known: {', '.join(known)})")
+    return f"unknown environment {name!r}{hint} (known: {', '.join(known)})"

@@ -22,9 +22,10 @@ Glossary:
 import time
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,7 @@ from physics.domain import NotFiniteError as NotFiniteError  # noqa: PLC0414
 from physics.drawing import Drawing
 from physics.exploration import explore
 from physics.features import Array, FeatureMap
+from physics.parameter import checked, declared, label
 from physics.randomness import generator
 from physics.row_checks import (
     are_finite,
@@ -131,6 +133,36 @@ class Environment(metaclass=CheckedWhenMade):
     has no solution."""
     differentiate_kernel: Callable[..., int]
     """`(s, a, *transition, *derivatives)` does the same with all fields of a Linearization."""
+
+    changed: Mapping[str, Any] = MappingProxyType({})
+    """The parameters that have other values than their defaults or were given them, by name."""
+
+    def with_parameters(self, **values: float) -> Self:
+        """The same task with these values of its parameters; the others stay as they are.
+
+        Raises:
+            ValueError: for every name that is no parameter and every value out of its range.
+        """
+        return self._with(checked(self.name, declared(type(self)).values(), values))
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """The values of all parameters, by name, in the order in which they are declared."""
+        return {name: getattr(self, name) for name in declared(type(self))}
+
+    @property
+    def label(self) -> str:
+        """The name, and the values of the parameters that were given: `Pendulum(gravity=9.81)`."""
+        return label(self.name, self.changed)
+
+    def _with(self, values: Mapping[str, Any]) -> Self:
+        """A copy with these values, floats or tensors; what followed from others is dropped."""
+        other = copy(self)
+        for name in vars(self):
+            if isinstance(getattr(type(self), name, None), cached_property):
+                del vars(other)[name]
+        other.changed = {**self.changed, **values}
+        return other
 
     @cached_property
     def feature_map(self) -> FeatureMap:

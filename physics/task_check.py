@@ -11,6 +11,8 @@ from math import isfinite
 from numbers import Integral, Real
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from physics import parameter
+
 if TYPE_CHECKING:
     from physics.environment import Environment
 
@@ -108,7 +110,7 @@ def declaration_mistakes(task: "Environment") -> list[str]:
     ]
     if not {"state_size", "angles", "hidden", "bounds"} & {rule.name for rule in wrong}:
         mistakes += coordinate_mistakes(task)
-    return mistakes
+    return [*mistakes, *parameter.declaration_mistakes(type(task))]
 
 
 def coordinate_mistakes(task: "Environment") -> Iterator[str]:

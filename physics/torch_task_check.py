@@ -6,6 +6,8 @@ wrongly there (`torch.linalg.lu_solve` is). Whether numbers are finite is judged
 """
 
 from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import CodeType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -43,7 +45,7 @@ def function_mistakes(task: "TorchEnvironment") -> list[str]:
     random = generator(0, "torch task check")
     actions = torch.from_numpy(random.uniform(-1.0, 1.0, (ROWS, task.action_size)))
     return mistakes + [
-        mistake
+        f"{mistake} ({_place(trial.function)})"
         for trial in _trials(task, states, actions)
         if (mistake := next(_mistake(trial), None)) is not None
     ]
@@ -117,6 +119,12 @@ def _mistake(trial: Trial) -> Iterator[str]:
             "draws random numbers, or torch is wrong about an operation in it (it is about "
             "torch.linalg.lu_solve; torch.linalg.solve is right)"
         )
+
+
+def _place(function: Callable[..., Any]) -> str:
+    """Where the author wrote a function."""
+    code: CodeType = function.__code__
+    return f"{Path(code.co_filename).name}, line {code.co_firstlineno}"
 
 
 def _kind(result: Any) -> str:

@@ -1,18 +1,22 @@
 """Wiring: the one place where store, pool, dispatcher and application meet."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator, Sequence
+from contextlib import closing, contextmanager
 from functools import partial
+from pathlib import Path
 
 from fastapi import FastAPI
 
 from service.api.app import create_app
+from service.api.side_process import SideProcess, TooSlowError
 from service.data_dir import owned
+from service.model.environment import EnvironmentFacts
 from service.queue.checkpoint_removal import CheckpointRemoval
 from service.queue.dispatch import Dispatcher
 from service.queue.worker_memory import runs_at_once
 from service.settings import Settings
 from service.store.store import Store
+from service.task_shelf import TaskFileError, TaskShelf
 from workers.pool.process import PoolProcess, PoolSettings
 
 
@@ -20,9 +24,10 @@ from workers.pool.process import PoolProcess, PoolSettings
 def wired(settings: Settings) -> Iterator[FastAPI]:
     """Open everything, yield the application, and close everything in order.
 
-    Raises DataDirInUseError, or what `Store.open` raises.
+    Raises RefusalError.
     """
     with owned(settings.data_dir):
+        shelf = _filled_shelf(settings)
         store = Store.open(settings.store_url)
         try:
             pool = PoolProcess(
@@ -40,8 +45,9 @@ def wired(settings: Settings) -> Iterator[FastAPI]:
                 store,
                 pool,
                 limit_of=partial(runs_at_once, worker_memory=settings.run_memory),
+                file_of=shelf.file_of,
             )
-            app = create_app(settings, store, dispatcher)
+            app = create_app(settings, store, dispatcher, shelf)
             removal = CheckpointRemoval(store, settings.checkpoint_place)
             dispatcher.start()
             removal.start()
@@ -52,3 +58,27 @@ def wired(settings: Settings) -> Iterator[FastAPI]:
                 dispatcher.stop()
         finally:
             store.close()
+
+
+def _filled_shelf(settings: Settings) -> TaskShelf:
+    """Return the shelf with the tasks to be served, each file run by a process beside.
+
+    Raises TaskFileError.
+    """
+    shelf = TaskShelf(settings.data_dir)
+    with closing(SideProcess()) as side:
+        shelf.serve(settings.tasks, partial(_described, side))
+    return shelf
+
+
+def _described(side: SideProcess, path: Path) -> Sequence[EnvironmentFacts]:
+    """Return the facts of a file's tasks. Raises ValueError and TaskFileError."""
+    try:
+        facts: Sequence[EnvironmentFacts] = side.call(
+            "service.model.environment:facts_of_file", path
+        )
+    except TooSlowError as error:
+        raise TaskFileError(f"{path} cannot be loaded: {error}") from error
+    except EOFError as error:
+        raise TaskFileError(f"{path} cannot be loaded: the process that ran it died") from error
+    return facts

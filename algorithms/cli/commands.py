@@ -27,6 +27,7 @@ from algorithms.presets import completed, preset
 if TYPE_CHECKING:
     from algorithms.diagnostics.finding import Finding
     from algorithms.learner import Learner
+    from physics.environment import Environment
 
 app = typer.Typer(
     name="python -m algorithms",
@@ -63,7 +64,7 @@ Config = Annotated[
 @app.command()
 def train(
     algorithm: Annotated[str, typer.Argument(help="As `list` shows them.")],
-    environment: Annotated[str, typer.Argument(help="The task.")],
+    environment: Annotated[str, typer.Argument(help="The task: its name, or my_tasks.py:Arm.")],
     seeds: Seeds = 1,
     timesteps: Timesteps = None,
     weights: Weights = None,
@@ -73,14 +74,15 @@ def train(
     ] = None,
 ) -> None:
     """Train runs that differ in their seed, all at once, and show how they get on."""
-    usual = preset(algorithm, environment)
+    task = made(environment)
+    usual = preset(algorithm, task.name)
     steps = usual.timesteps if timesteps is None else timesteps
     settings = read_settings(config or [])
     outcome = Outcome(range(seeds))
-    build = prepared(algorithm, environment, outcome.seeds, weights, steps, settings)
+    build = prepared(algorithm, task, outcome.seeds, weights, steps, settings)
     with ExitStack() as stack:
         curves = CurveFile(stack.enter_context(new_file(csv))) if csv else None
-        trained(build, f"{algorithm} on {environment}", steps, outcome, curves)
+        trained(build, f"{algorithm} on {task.label}", steps, outcome, curves)
     console.print(summary(outcome))
     if outcome.ended:
         complain_of_ends(outcome)
@@ -89,7 +91,7 @@ def train(
 
 @app.command()
 def diagnose(
-    environment: Annotated[str, typer.Argument(help="The task.")],
+    environment: Annotated[str, typer.Argument(help="The task: its name, or my_tasks.py:Arm.")],
     algorithm: Annotated[
         str, typer.Option(help="What learns the policy; one that learns a policy.")
     ] = "hybrid-ddpg-robust",
@@ -105,11 +107,12 @@ def diagnose(
 
     With several seeds, the tables show medians.
     """
-    usual = preset(algorithm, environment)
+    task = made(environment)
+    usual = preset(algorithm, task.name)
     steps = usual.timesteps if timesteps is None else timesteps
     settings = read_settings(config or [])
     outcome = Outcome(range(seeds))
-    build = prepared(algorithm, environment, outcome.seeds, weights, steps, settings)
+    build = prepared(algorithm, task, outcome.seeds, weights, steps, settings)
 
     def build_with_policy() -> "Learner":
         learner = build()
@@ -122,10 +125,10 @@ def diagnose(
 
     with ExitStack() as stack:
         file = stack.enter_context(new_file(csv)) if csv else None
-        title = f"{algorithm} on {environment}"
+        title = f"{algorithm} on {task.label}"
         learner = trained(build_with_policy, title, steps, outcome, None)
-        gamma = discount(algorithm, environment, settings)
-        found = diagnosed(learner, environment, gamma, outcome)
+        gamma = discount(algorithm, task.name, settings)
+        found = diagnosed(learner, task, gamma, outcome)
         if file:
             findings.write(file, found)
     for heading, table in findings.tables(found):
@@ -163,7 +166,7 @@ def trained(
 
 
 def diagnosed(
-    learner: "Learner", environment: str, gamma: float | None, outcome: Outcome
+    learner: "Learner", environment: "Environment", gamma: float | None, outcome: Outcome
 ) -> "dict[int, list[Finding]]":
     """The findings of each run that reached its end; raises typer.Exit where there can be none."""
     try:
@@ -190,9 +193,17 @@ def complain_of_ends(outcome: Outcome) -> None:
     complain(f"{len(outcome.ended)} of {len(outcome.seeds)} runs ended early.")
 
 
+def made(environment: str) -> "Environment":
+    """The task; raises typer.BadParameter with what is wrong with it."""
+    try:
+        return physics.as_task(environment)
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from None
+
+
 def prepared(
     algorithm: str,
-    environment: str,
+    environment: "Environment",
     seeds: list[int],
     weights: tuple[float, float] | None,
     timesteps: int,

@@ -43,12 +43,15 @@ BATCH_NOISE = 0.2
 
 
 def diagnose(
-    environment: str, snapshot: Snapshot, gamma: float | None = None, seed: int = 0
+    environment: str | Environment | type[Environment],
+    snapshot: Snapshot,
+    gamma: float | None = None,
+    seed: int = 0,
 ) -> list[Finding]:
     """Diagnose one run.
 
     Args:
-        environment: a name of `physics.names()`.
+        environment: a task: a name that `physics.make` takes, a class or an instance.
         snapshot: what the run has learned: `Learner.snapshot`.
         gamma: the run's discount; None, or a run without a critic: no findings about a critic.
         seed: of the episodes and the noise. The same seed gives the same findings.
@@ -57,7 +60,7 @@ def diagnose(
         ValueError: for an unknown task.
         NotFiniteError, UnsolvedStepError: where a step has no derivatives, or no solution.
     """
-    task = physics.make(environment)
+    task = physics.as_task(environment)
     with one_thread():
         policy, unit = LearnedPolicy(task, snapshot), units(task, snapshot)
         episodes = roll_out(task, policy, starts(task, seed), task.horizon)

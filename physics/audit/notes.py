@@ -48,8 +48,8 @@ def notes(environment: Environment, rows: Sequence[RegimeAudit]) -> list[str]:
 def _undeclared(environment: Environment, count: int) -> Iterator[str]:
     if count:
         yield (
-            f"NOTE: {environment.name}: {count:,} states have a kink nearby that `pieces` does not "
-            "declare: there, wide differences disagree with narrow ones."
+            f"NOTE: {environment.label}: {count:,} states have a kink nearby that `pieces` does "
+            "not declare: there, wide differences disagree with narrow ones."
         )
 
 
@@ -59,13 +59,13 @@ def _unsampled(environment: Environment, pieces: Pieces) -> Iterator[str]:
     nameless = sorted(set(pieces.regime.tolist()) - set(range(names)))
     if nameless:
         yield (
-            f"NOT PASSED: {environment.name}: `pieces` tells of the regimes {nameless}, but "
+            f"NOT PASSED: {environment.label}: `pieces` tells of the regimes {nameless}, but "
             f"`regimes` has names for 0 to {names - 1}"
         )
     constant = np.flatnonzero((pieces.piece == pieces.piece[:1]).all(axis=0)).tolist()
     if constant:
         yield (
-            f"NOTE: {environment.name}: over {SHOWN:,} states the columns {constant} of `pieces` "
+            f"NOTE: {environment.label}: over {SHOWN:,} states the columns {constant} of `pieces` "
             "never changed: the kinks that they declare were not sampled."
         )
 
@@ -76,6 +76,6 @@ def _unknown(environment: Environment, states: FloatArray) -> Iterator[str]:
         limits = enumerate(zip(states.min(axis=0), states.max(axis=0), strict=True))
         ranges = ", ".join(f"from {low:.3g} to {high:.3g} in s[{i}]" for i, (low, high) in limits)
         yield (
-            f"NOTE: {environment.name} declares no kink but the clip of its actions. Whether there "
-            f"are others that no state came near cannot be known. The states went {ranges}."
+            f"NOTE: {environment.label} declares no kink but the clip of its actions. Whether "
+            f"there are others that no state came near cannot be known. The states went {ranges}."
         )

@@ -16,7 +16,7 @@ import numpy as np
 from gymnasium.error import ResetNeeded
 from numpy.typing import ArrayLike, NDArray
 
-from physics.catalogue import make
+from physics.catalogue import as_task
 from physics.environment import Environment, FloatArray, Transition
 from physics.gym.spaces import action_space, observation_space
 from physics.gym.start import checked_options, checked_states, refuse_impossible
@@ -34,19 +34,26 @@ class GymnasiumEnvironment(gymnasium.Env[FloatArray, NDArray[np.float32]]):
         "render_fps": FRAMES_A_SECOND,
     }
 
-    def __init__(self, task: str, render_mode: str | None = None, jacobians: bool = True) -> None:
-        """Make the task of that name.
+    def __init__(
+        self,
+        task: str | Environment | type[Environment],
+        render_mode: str | None = None,
+        jacobians: bool = True,
+        **parameters: float,
+    ) -> None:
+        """Make the task.
 
         Args:
-            task: a name that `physics.names()` lists.
+            task: a name that `physics.make` takes, a class or an instance.
             render_mode: None or "rgb_array".
             jacobians: whether `info` has the Jacobians of every step; without, a step costs less.
+            parameters: values of the task's physical parameters, such as `gravity=9.81`.
 
         Raises:
-            ValueError: for an unknown task or render mode.
+            ValueError: for an unknown task, parameter or render mode.
         """
         self.render_mode = checked_render_mode(render_mode)
-        self.task = make(task)
+        self.task = as_task(task).with_parameters(**parameters)
         self.observation_space = observation_space(self.task)
         self.action_space = action_space(self.task)
         self._jacobians = jacobians

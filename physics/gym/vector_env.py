@@ -21,8 +21,8 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 
-from physics.catalogue import make
-from physics.environment import BoolArray, FloatArray
+from physics.catalogue import as_task
+from physics.environment import BoolArray, Environment, FloatArray
 from physics.gym.env import (
     FRAMES_A_SECOND,
     RENDER_MODES,
@@ -44,29 +44,31 @@ class GymnasiumVectorEnvironment(VectorEnv[FloatArray, NDArray[np.float32], NDAr
 
     def __init__(
         self,
-        task: str,
+        task: str | Environment | type[Environment],
         num_envs: int = 1,
         max_episode_steps: int | None = None,
         render_mode: str | None = None,
         jacobians: bool = True,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        **parameters: float,
     ) -> None:
-        """Make the task of that name.
+        """Make the task.
 
         Args:
-            task: a name that `physics.names()` lists.
+            task: a name that `physics.make` takes, a class or an instance.
             num_envs: how many episodes run at a time, from 1 on.
             max_episode_steps: after how many steps an episode is truncated; None for the task's
                 horizon, -1 for never, as in `gymnasium.make`.
             render_mode: None or "rgb_array".
             jacobians: whether `info` has the Jacobians of every step; without, a step costs less.
             autoreset_mode: one of Gymnasium's modes, or its value ("NextStep").
+            parameters: values of the task's physical parameters, such as `gravity=9.81`.
 
         Raises:
-            ValueError: for an unknown task or mode, and for numbers out of range.
+            ValueError: for an unknown task, parameter or mode, and for numbers out of range.
         """
         self.render_mode = checked_render_mode(render_mode)
-        self.task = make(task)
+        self.task = as_task(task).with_parameters(**parameters)
         self.num_envs = _at_least_one(num_envs, "num_envs")
         self._limit = _time_limit(max_episode_steps, self.task.horizon)
         self._mode = AutoresetMode(autoreset_mode)

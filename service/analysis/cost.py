@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from algorithms import catalogue
+from physics.parameter import name_of
 from workers.messages.run_spec import RunSpec
 
 Basis = Literal["same settings", "same algorithm and environment", "built-in figures", "unknown"]
@@ -84,7 +85,7 @@ def _cell_cost(cell: RunSpec, seeds: int, past: Sequence[PastCost]) -> CellCost:
     if alike:
         return CellCost(_rate(alike) * steps, "same algorithm and environment", len(alike))
     algorithm = catalogue.known(cell.algorithm)
-    figure = algorithm.core_seconds.get(cell.environment) if algorithm else None
+    figure = algorithm.core_seconds.get(name_of(cell.environment)) if algorithm else None
     if figure is not None:
         return CellCost(figure / 1000 * steps, "built-in figures", 0)
     return CellCost(math.nan, "unknown", 0)

@@ -41,6 +41,7 @@ from service.api.security import Guard
 from service.api.side_process import SideProcess
 from service.settings import Settings
 from service.store.store import Store
+from service.task_shelf import TaskShelf
 
 PREFIX = "/api/v1"
 RESOURCES = (
@@ -65,7 +66,9 @@ async def lifespan(app: FastAPI) -> AsyncIterator[None]:
     await run_in_threadpool(app.state.side.close)
 
 
-def create_app(settings: Settings, store: Store, dispatcher: Workforce) -> FastAPI:
+def create_app(
+    settings: Settings, store: Store, dispatcher: Workforce, shelf: TaskShelf | None = None
+) -> FastAPI:
     """Make the application on an open store; `dispatcher` says whether runs can start."""
     app = FastAPIOffline(
         docs_url=None,
@@ -86,6 +89,7 @@ def create_app(settings: Settings, store: Store, dispatcher: Workforce) -> FastA
     app.state.side = SideProcess()
     app.state.checkpoints = settings.checkpoint_place
     app.state.worker_memory = settings.run_memory
+    app.state.shelf = shelf or TaskShelf(settings.data_dir)
     install_problem_handlers(app)
     api = APIRouter(prefix=PREFIX)
     for resource in RESOURCES:

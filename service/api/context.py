@@ -13,6 +13,7 @@ from service.model.entry import Entries
 from service.model.run import Run
 from service.model.sweep import Sweep
 from service.store.store import Store
+from service.task_shelf import TaskShelf
 from workers.checkpoints.place import Place
 
 MAX_ID = 64
@@ -41,6 +42,7 @@ def _held(name: str) -> Any:
 
 TheCheckpoints = Annotated[Place, _held("checkpoints")]
 TheSide = Annotated[Side, _held("side")]
+TheShelf = Annotated[TaskShelf, _held("shelf")]
 TheStore = Annotated[Store, _held("store")]
 TheEventFeed = Annotated[EventFeed, _held("event_feed")]
 TheWorkerMemory = Annotated[int, _held("worker_memory")]

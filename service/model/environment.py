@@ -1,11 +1,16 @@
 """What the service knows of an environment: its declared constants, never its dynamics."""
 
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, replace
 from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
 import physics
+from physics.catalogue import unknown_task
+from physics.parameter import Parameter, checked, declared, parse
+from physics.task_file import Reference, make_all
 
 if TYPE_CHECKING:
     from physics.environment import Environment
@@ -20,16 +25,33 @@ class EnvironmentFacts:
     state_size: int
     action_size: int
     feature_size: int
+    feature_sources: tuple[int, ...]
     horizon: int
     max_reward: float
     reward_is_differentiable: bool
     regimes: tuple[str, ...]
     """The kinds of step that its gradient audit reports apart."""
+    parameters: tuple[Parameter, ...]
+    """Its physical parameters, as it declares them."""
+    file: str = ""
+    """The name of the task file that it comes from; empty for an installed task."""
 
     @classmethod
     def of(cls, environment: "Environment") -> Self:
         """Read them off an environment."""
-        return cls(**{field.name: getattr(environment, field.name) for field in fields(cls)})
+        return cls(
+            name=environment.name,
+            version=environment.version,
+            state_size=environment.state_size,
+            action_size=environment.action_size,
+            feature_size=environment.feature_size,
+            feature_sources=tuple(environment.feature_sources.tolist()),
+            horizon=environment.horizon,
+            max_reward=environment.max_reward,
+            reward_is_differentiable=environment.reward_is_differentiable,
+            regimes=environment.regimes,
+            parameters=tuple(declared(type(environment)).values()),
+        )
 
     @property
     def best_return(self) -> float:
@@ -37,28 +59,86 @@ class EnvironmentFacts:
         return self.max_reward * self.horizon
 
 
-@cache
-def environment_facts(name: str) -> EnvironmentFacts:
-    """Return the facts of an environment.
+class _OfFiles:
+    """The tasks of task files that this service knows, and those that can be submitted."""
+
+    known: Mapping[str, EnvironmentFacts] = {}
+    served: frozenset[str] = frozenset()
+
+
+def know_tasks_of_files(known: Iterable[EnvironmentFacts], served: Iterable[str]) -> None:
+    """Know these tasks of files from now on, and no others; `served` can be submitted."""
+    _OfFiles.known = {facts.name: facts for facts in known}
+    _OfFiles.served = frozenset(served)
+
+
+def facts_of_file(path: Path) -> list[EnvironmentFacts]:
+    """Run a task file and return the facts of its tasks: not for the service's own process.
 
     Raises:
-        ValueError: for an unknown name, and for an installed task that cannot be made.
+        ValueError: for a file or a task that cannot be used; it says why, with the line.
     """
-    return EnvironmentFacts.of(physics.make(name))
+    return [replace(EnvironmentFacts.of(task), file=path.name) for task in make_all(path)]
+
+
+def environment_facts(environment: str) -> EnvironmentFacts:
+    """Return the facts of an environment, which may state values of parameters after its name.
+
+    Raises:
+        ValueError: for an unknown name or parameter, a value out of its range, and an installed
+            task that cannot be made.
+    """
+    name, values = parse(environment)
+    facts = _OfFiles.known.get(name) or _installed_facts(name)
+    checked(name, facts.parameters, values)
+    return facts
+
+
+def submittable_facts(environment: str) -> EnvironmentFacts:
+    """Return the same of an environment in which runs can be submitted.
+
+    Raises:
+        ValueError: as above, and for a task of a file that is not served now.
+    """
+    facts = environment_facts(environment)
+    if facts.file and facts.name not in _OfFiles.served:
+        raise ValueError(
+            f"{facts.name} is a task of {facts.file}, which this service was not given: start it "
+            f"with --tasks {facts.file}"
+        )
+    return facts
 
 
 def known_environments() -> list[EnvironmentFacts]:
     """Return the facts of all environments but installed ones that cannot be made.
 
-    Whoever names one of those is told why.
+    Whoever names one of those is told why. Those of task files are the ones that are served.
     """
     known = []
     for name in physics.names():
         with suppress(ValueError):
-            known.append(environment_facts(name))
-    return known
+            known.append(_installed_facts(name))
+    return known + [_OfFiles.known[name] for name in sorted(_OfFiles.served)]
 
 
-def best_return(name: str) -> float:
+def best_return(environment: str) -> float:
     """Return the one of an environment's normalised scale. Raises ValueError as above."""
-    return environment_facts(name).best_return
+    return environment_facts(environment).best_return
+
+
+def _installed_facts(name: str) -> EnvironmentFacts:
+    """Return the facts of an installed task. Raises ValueError for another name."""
+    if (reference := Reference.parse(name)) is not None:
+        raise ValueError(
+            f"a task of a file goes by its own name, such as {reference.task or 'Arm'!r}, in a "
+            f"service that was started with --tasks {reference.path.name}"
+        )
+    installed = physics.names()
+    if name not in installed:
+        raise ValueError(unknown_task(name, [*installed, *sorted(_OfFiles.served)]))
+    return _made_facts(name)
+
+
+@cache
+def _made_facts(name: str) -> EnvironmentFacts:
+    return EnvironmentFacts.of(physics.make(name))

@@ -13,9 +13,11 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
+from dataclasses import replace
 
 import structlog
 
+from physics.task_file import TaskFile
 from service.metrics import DISPATCH_SECONDS
 from service.model.claim import CellLimit, no_limit
 from service.queue.batch import next_together, take_next
@@ -46,9 +48,17 @@ from service.queue.messages import (
 from service.queue.scheduler import step
 from service.store.store import Store
 from service.store.upkeep.trouble import explain
+from workers.messages.work import Work
 from workers.pool.pool import Pool, PoolUnavailableError
 
 log = structlog.get_logger(__name__)
+
+FileOf = Callable[[str, int], TaskFile | None]
+
+
+def no_file(environment: str, version: int) -> None:
+    """No environment is of a task file."""
+    del environment, version
 
 
 class Dispatcher:
@@ -61,8 +71,13 @@ class Dispatcher:
         times: DispatchTimes | None = None,
         clock: Callable[[], float] = time.monotonic,
         limit_of: CellLimit = no_limit,
+        file_of: FileOf = no_file,
     ) -> None:
-        """Begin nothing yet; the clock is for tests. A cohort is within its cell's limit."""
+        """Begin nothing yet; the clock is for tests. A cohort is within its cell's limit.
+
+        `file_of` has the task file of a version of an environment: it goes with the work.
+        """
+        self._file_of = file_of
         self._store = store
         self._pool = pool
         self._limit_of = limit_of
@@ -207,7 +222,7 @@ class Dispatcher:
             case Demand(workers):
                 self._pool.demand(workers)
             case Train(worker, work):
-                self._pool.train(worker, work)
+                self._pool.train(worker, self._with_file(work))
             case Drop(worker, seeds):
                 self._pool.drop(worker, seeds)
             case Kill(worker):
@@ -215,6 +230,10 @@ class Dispatcher:
             case StartPool():
                 return self._start_pool()
         return None
+
+    def _with_file(self, work: Work) -> Work:
+        run = work.runs[0]
+        return replace(work, file=self._file_of(run.spec.environment, run.environment_version))
 
     def _count_waiting(self, limit: int) -> Waiting:
         cells = tuple(self._store.waiting_cells(limit))

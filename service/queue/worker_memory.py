@@ -12,6 +12,7 @@ from functools import cache
 from pathlib import Path
 
 from algorithms.memory import bytes_per_run
+from service.model.environment import environment_facts
 from workers.messages.run_spec import COHORT_LIMIT, RunSpec
 
 SHARE = 0.8
@@ -49,5 +50,9 @@ def runs_at_once(cell: RunSpec, worker_memory: int) -> int:
 def memory_of(cell: RunSpec) -> int:
     """Bytes that each run of a cell comes to fill. Raises ValueError for what no learner takes."""
     return bytes_per_run(
-        cell.algorithm, cell.environment, cell.weights, cell.timesteps, cell.config
+        cell.algorithm,
+        environment_facts(cell.environment),
+        cell.weights,
+        cell.timesteps,
+        cell.config,
     )

@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 
 import algorithms
+from physics.environment import Environment
+from tests.physics.small_tasks import Plain
 
 Curve = list[tuple[int, float, float]]
 TIMESTEPS = 1_600
@@ -93,3 +95,14 @@ def test_kernels_just_compiled_and_kernels_from_the_cache_the_same_bits(tmp_path
     )
     assert first == second
     assert first.count(b"\n") == 8
+
+
+@pytest.mark.parametrize("task", [Plain, Plain()], ids=["a class", "an instance"])
+def test_a_task_may_be_an_object(task: Environment | type[Environment]) -> None:
+    measured = [m.timestep for m in algorithms.train("ddpg", task, [0], timesteps=800)]
+    assert measured == [800]
+
+
+def test_what_is_no_task_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"or an instance of Environment, not 3$"):
+        algorithms.build("ddpg", 3, [0])  # type: ignore[arg-type]

@@ -24,7 +24,7 @@ from workers.checkpoints.place import Place
 from workers.messages.assignment import Assignment
 from workers.messages.run_spec import RunSpec, Weights
 from workers.training import cadence
-from workers.training.execute import build_learner, execute
+from workers.training.execute import execute, learner_of_cohort
 
 REDRAWN = 3
 """Trials are drawn so often, until enough of them were killed alive, twice."""
@@ -35,7 +35,7 @@ def train(specs: Sequence[RunSpec], root: Place, attempt: int, result: Path) -> 
     learners: dict[int, Learner] = {}
 
     def keep(asked: Sequence[RunSpec]) -> Learner:
-        learner = build_learner(asked)
+        learner = learner_of_cohort(asked)
         learners.update({spec.seed: learner for spec in asked})
         return learner
 

@@ -73,6 +73,7 @@ class Worker:
                 self._checkpoints,
                 lambda: self._dropped,
                 _leave,
+                file=work.file,
                 measure_random_return=work.measure_random_return,
                 report_seconds=work.report_seconds,
             )

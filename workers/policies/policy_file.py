@@ -1,15 +1,20 @@
 """Policy file: what a run has learned, as a file to act with (algorithms.acting.policy_file)."""
 
-import physics
 from algorithms.acting.policy import policy_of
 from algorithms.acting.policy_file import policy_bytes
+from physics.task_file import TaskFile
 from workers.checkpoints.checkpoint import find_snapshot
 from workers.checkpoints.place import Place
 from workers.messages.run_spec import RunSpec
+from workers.policies.task import task_of
 
 
-def policy_file(checkpoints: Place, run_id: str, spec: RunSpec) -> bytes | None:
+def policy_file(
+    checkpoints: Place, run_id: str, spec: RunSpec, file: TaskFile | None = None
+) -> bytes | None:
     """The content of the file; None while the run has learned nothing that was written.
+
+    `file` is the text of the task, where the task is of one.
 
     Raises:
         DamagedError: where what was learned cannot be read.
@@ -25,4 +30,4 @@ def policy_file(checkpoints: Place, run_id: str, spec: RunSpec) -> bytes | None:
         "config": dict(spec.config),
         "seed": spec.seed,
     }
-    return policy_bytes(policy_of(snapshot, physics.make(spec.environment), origin))
+    return policy_bytes(policy_of(snapshot, task_of(spec, file), origin))

@@ -5,10 +5,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-import physics
 from algorithms.snapshot import Snapshot
 from physics.environment import Environment, UnsolvedStepError
 from physics.film import film
+from physics.task_file import TaskFile
 from workers.checkpoints.checkpoint import find_snapshot
 from workers.checkpoints.checkpoint_folder import SURFACE_TASK
 from workers.checkpoints.place import Place
@@ -16,14 +16,21 @@ from workers.messages.run_spec import RunSpec
 from workers.policies.critic_surface import critic_surface, discount_of
 from workers.policies.episode import play
 from workers.policies.start_error import StartError
+from workers.policies.task import task_of
 
 FloatArray = NDArray[np.float64]
 
 
 def rollout(
-    checkpoints: Place, run_id: str, spec: RunSpec, start: list[float] | int
+    checkpoints: Place,
+    run_id: str,
+    spec: RunSpec,
+    file: TaskFile | None,
+    start: list[float] | int,
 ) -> dict[str, Any] | None:
     """Play a run's policy from a start state [n], or from the task's start of a seed.
+
+    `file` is the text of the task, where the task is of one.
 
     None while the run has learned nothing that was written. What the fields hold, says
     `service.api.schemas.rollout_answer`.
@@ -36,7 +43,7 @@ def rollout(
     snapshot = find_snapshot(checkpoints, run_id)
     if snapshot is None:
         return None
-    task = physics.make(spec.environment)
+    task = task_of(spec, file)
     try:
         episode = play(task, snapshot.policies(), start_state(task, start))
     except (ValueError, UnsolvedStepError) as refusal:

@@ -9,6 +9,7 @@ from functools import partial
 
 from algorithms.learner import Learner
 from algorithms.training import build
+from physics.task_file import TaskFile
 from workers.checkpoints.checkpoint import Checkpoints
 from workers.checkpoints.place import Place
 from workers.messages.assignment import Assignment
@@ -22,12 +23,12 @@ from workers.training.random_play import measure_random_return as measure
 BuildLearner = Callable[[Sequence[RunSpec]], Learner]
 
 
-def build_learner(specs: Sequence[RunSpec]) -> Learner:
-    """Make the learner of a cohort."""
+def learner_of_cohort(specs: Sequence[RunSpec], file: TaskFile | None = None) -> Learner:
+    """Make the learner of a cohort, whose task may be of a file."""
     spec = specs[0]
     return build(
         spec.algorithm,
-        spec.environment,
+        file.reference(spec.environment) if file else spec.environment,
         seeds=[spec.seed for spec in specs],
         weights=spec.weights,
         timesteps=spec.timesteps,
@@ -41,9 +42,10 @@ def execute(
     dropped: Callable[[], Collection[int]],
     on_abandoned: Callable[[], None],
     *,
+    file: TaskFile | None = None,
     measure_random_return: bool = False,
     report_seconds: float = REPORT_SECONDS,
-    build_learner: BuildLearner = build_learner,
+    build_learner: BuildLearner | None = None,
 ) -> Generator[Progress, None, None]:
     """Train a cohort and yield its progress every so many seconds, the last when all has ended.
 
@@ -52,20 +54,22 @@ def execute(
 
     `dropped` names the seeds to stop training; it is asked before every cycle. `on_abandoned` is
     called, on another thread, when nobody has taken a progress for long and training has stopped.
-    With `measure_random_return`, one of the first has the random return of the task.
+    With `measure_random_return`, one of the first has the random return of the task. A task of a
+    file needs the `file`, whose hash is part of the fingerprint.
 
     Raises ValueError where the specs are no cohort, and what the learner raises.
     """
     specs = {run.spec.seed: run.spec for run in runs}
     cell = shared_cell([run.spec for run in runs])
     yield Progress(0, Activity.COMPILING)
-    own = fingerprint()
+    own = fingerprint() if file is None else {**fingerprint(), "task": file.digest}
+    build_learner = build_learner or partial(learner_of_cohort, file=file)
     cohort = CohortThread(
         {run.spec.seed: Checkpoints(checkpoints, run, own) for run in runs},
         lambda seeds: build_learner([specs[seed] for seed in seeds]),
         dropped,
         on_abandoned,
-        partial(measure, cell.environment) if measure_random_return else None,
+        partial(measure, cell.environment, file=file) if measure_random_return else None,
     )
     try:
         is_over = False

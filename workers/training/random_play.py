@@ -14,19 +14,24 @@ from scipy.special import stdtrit
 import physics
 from physics.environment import Environment
 from physics.randomness import generator
+from physics.task_file import TaskFile
 from workers.messages.random_return import RandomReturn
 
 EPISODES = 1000
 
 
-def measure_random_return(environment: str, episodes: int = EPISODES) -> RandomReturn:
+def measure_random_return(
+    environment: str, episodes: int = EPISODES, file: TaskFile | None = None
+) -> RandomReturn:
     """Play that many episodes, all at once; the same numbers every time.
+
+    `file` is the text of the task, where the task is of one.
 
     Raises ValueError for an unknown environment, or fewer than 2 episodes.
     """
     if episodes < 2:
         raise ValueError(f"an interval needs at least 2 episodes, got {episodes}")
-    task = physics.make(environment)
+    task = physics.make(file.reference(environment) if file else environment)
     returns = random_returns(task, episodes)
     mean = float(returns.mean())
     error = float(returns.std(ddof=1)) / math.sqrt(episodes)

@@ -55,6 +55,17 @@ class AuditAnswer(BaseModel):
     passed: bool = Field(description="At least 2,000 states, and the worst error at most 1e-6.")
 
 
+class ParameterAnswer(BaseModel):
+    """A physical parameter of an environment."""
+
+    name: str
+    unit: str = Field(description='"1" for a number without one.')
+    default: float
+    least: float
+    greatest: float
+    meaning: str
+
+
 class EnvironmentAnswer(BaseModel):
     """An environment."""
 
@@ -67,6 +78,8 @@ class EnvironmentAnswer(BaseModel):
     max_reward: float
     reward_is_differentiable: bool
     regimes: list[str] = Field(description="The kinds of step that its audit reports apart.")
+    parameters: list[ParameterAnswer] = Field(description="What a sweep may give other values.")
+    file: str = Field(description="The task file it comes from; empty for an installed task.")
     audit: list[AuditAnswer] = Field(
         description="Empty where this version of the environment was never audited."
     )
@@ -117,6 +130,8 @@ class CatalogueAnswer(BaseModel):
                             "max_reward": 0.0,
                             "reward_is_differentiable": True,
                             "regimes": ["swing"],
+                            "parameters": [],
+                            "file": "",
                             "audit": [],
                         }
                     ],

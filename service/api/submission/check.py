@@ -10,7 +10,7 @@ from algorithms.catalogue import Algorithm
 from service.api.problems import Fault, faults_of, printable
 from service.api.schemas.sweep_request import MAX_RUNS, AlgorithmRequest, SweepRequest, Weights
 from service.api.submission.nearest import unknown_name
-from service.model.environment import environment_facts
+from service.model.environment import environment_facts, submittable_facts
 
 Value = TypeVar("Value")
 
@@ -37,7 +37,7 @@ def name_faults(request: SweepRequest) -> list[Fault]:
     """Refuse names that are not in the catalogues."""
     algorithms = [(f"algorithms[{i}].name", each.name) for i, each in enumerate(request.algorithms)]
     environments = [(f"environments[{i}]", name) for i, name in enumerate(request.environments)]
-    return [*_unknown(algorithms, catalogue.find), *_unknown(environments, environment_facts)]
+    return [*_unknown(algorithms, catalogue.find), *_unknown(environments, submittable_facts)]
 
 
 def product_faults(request: SweepRequest) -> list[Fault]:

@@ -16,13 +16,21 @@ from service.settings import Settings, variable_of
 
 def serve(**given: object) -> None:
     """Run the service here, until Ctrl-C. Each option is also an environment variable."""
-    said = {variable_of(name): str(value) for name, value in given.items() if value is not None}
+    said = {
+        variable_of(name): _text(value) for name, value in given.items() if value not in (None, [])
+    }
     os.execve(sys.executable, [sys.executable, "-m", "service"], os.environ | said)  # noqa: S606
+
+
+def _text(value: object) -> str:
+    return ",".join(map(str, value)) if isinstance(value, list) else str(value)
 
 
 def _flag(name: str, field: FieldInfo) -> Parameter:
     """Return the flag of a setting, unset by default: what it sets is judged by the service."""
     kind: Any = field.annotation if field.annotation in {int, Path} else str
+    if field.annotation == tuple[Path, ...]:
+        kind = list[Path]
     option = typer.Option(None, help=_help(field))
     return Parameter(name, Parameter.KEYWORD_ONLY, default=option, annotation=kind | None)
 

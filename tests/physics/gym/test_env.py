@@ -20,7 +20,9 @@ from stable_baselines3.common.env_checker import check_env as check_env_of_stabl
 import physics
 from physics.environment import FloatArray, UnsolvedStepError
 from physics.gym.env import GymnasiumEnvironment
+from physics.gym.vector_env import GymnasiumVectorEnvironment
 from physics.randomness import generator
+from tests.physics.test_parameter import Spring
 
 every_task = pytest.mark.parametrize("name", physics.names())
 
@@ -279,3 +281,12 @@ def test_an_episode_becomes_a_video(name: str, tmp_path: Path) -> None:
     film = frames_of(video, frame.shape)
     assert len(film) == 5
     assert np.abs(film[-1].astype(float) - frame).mean() < 10.0
+
+
+def test_a_task_may_be_an_object_with_parameters() -> None:
+    stiff = Spring().with_parameters(stiffness=9.0)
+    one = GymnasiumEnvironment(stiff, damping=1.0)
+    many = GymnasiumVectorEnvironment(Spring, num_envs=2, stiffness=9.0, damping=1.0)
+    assert one.task.label == many.task.label == "Spring(damping=1, stiffness=9)"
+    with pytest.raises(ValueError, match="there is no parameter 'stifness'; did you mean"):
+        GymnasiumEnvironment(Spring, stifness=9.0)

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from algorithms.early_end import Divergence
 from algorithms.measurement import Measurement
+from physics.task_file import TaskFile
 from workers.messages.assignment import Assignment
 from workers.messages.progress import Activity, CheckpointAttempt, Progress, Resumption
 from workers.messages.random_return import RandomReturn
@@ -56,6 +57,7 @@ RUNS = (
     [
         Ready("worker-1", 4711, "here"),
         Busy("worker-1", Work("a-0/1", RUNS, measure_random_return=True, report_seconds=5.0)),
+        Busy("worker-1", Work("a-0/1", RUNS, file=TaskFile("my_tasks.py", "x = 'ü'\n"))),
         Ended("worker-1", "a-0/1"),
         Failed("worker-1", "a-0/1", "Traceback\nValueError: 'ü'\n", "a\nb"),
         Lost("worker-1", "killed", ""),

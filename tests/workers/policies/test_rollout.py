@@ -15,26 +15,26 @@ RUN = "0123456789ab-0"
 
 
 def write_policy(place: Place, run_id: str, environment: str) -> None:
-    """Leave what a run has learned where its worker would."""
+    """Leave what a run has learned where its worker would; the task as `physics.make` takes it."""
     snapshot = learnt(physics.make(environment))
     packed = sealed_file.packed(snapshot.arrays())
     sealed_file.write(folder_in(place, run_id), POLICY, packed)
 
 
 def test_nothing_learned_is_none(place: Place) -> None:
-    assert rollout(place, RUN, RunSpec("ddpg", "MassPoint", 0), 0) is None
+    assert rollout(place, RUN, RunSpec("ddpg", "MassPoint", 0), None, 0) is None
 
 
 def test_mass_point_comes_with_its_surface(place: Place) -> None:
     write_policy(place, RUN, "MassPoint")
     spec = RunSpec("ddpg", "MassPoint", 0, config={"gamma": 0.9})
-    answer = rollout(place, RUN, spec, [-0.25])
+    answer = rollout(place, RUN, spec, None, [-0.25])
     assert answer is not None
     assert answer["states"][0] == [-0.25]
     surface = answer["surface"]
     assert len(surface["value"]) == len(surface["positions"])
     assert len(surface["value"][0]) == len(surface["actions"])
-    patient = rollout(place, RUN, RunSpec("ddpg", "MassPoint", 0), [-0.25])
+    patient = rollout(place, RUN, RunSpec("ddpg", "MassPoint", 0), None, [-0.25])
     assert patient is not None
     assert patient["surface"]["truth"] != surface["truth"]
     assert patient["surface"]["value"] == surface["value"]
@@ -43,4 +43,4 @@ def test_mass_point_comes_with_its_surface(place: Place) -> None:
 def test_a_start_of_another_size_is_refused(place: Place) -> None:
     write_policy(place, RUN, "MassPoint")
     with pytest.raises(StartError, match="has 1 numbers, got 2"):
-        rollout(place, RUN, RunSpec("ddpg", "MassPoint", 0), [0.0, 0.0])
+        rollout(place, RUN, RunSpec("ddpg", "MassPoint", 0), None, [0.0, 0.0])

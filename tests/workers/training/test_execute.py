@@ -15,7 +15,9 @@ import pytest
 
 from algorithms.networks.policy import deterministic
 from algorithms.snapshot import Inside, Snapshot
+from physics.task_file import TaskFile
 from tests.object_store import ObjectStore
+from tests.physics.test_task_file import ARM
 from tests.workers.fake_learner import CYCLE, FakeLearner, measurement_of
 from workers.checkpoints import bucket, sealed_file
 from workers.checkpoints.checkpoint import find_snapshot
@@ -193,7 +195,7 @@ def test_an_error_comes_after_what_was_measured_before_it() -> None:
 def test_runs_train_on_where_the_random_return_cannot_be_measured(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    def refuse(environment: str) -> None:
+    def refuse(environment: str, **file: None) -> None:
         raise RuntimeError(f"no start in {environment}")
 
     monkeypatch.setattr("workers.training.execute.measure", refuse)
@@ -405,3 +407,21 @@ def test_a_bucket_that_is_gone_for_a_while_is_told_and_costs_its_checkpoints_alo
     for spec in SPECS:
         assert points(said, spec.seed) == list(range(CYCLE, TIMESTEPS + 1, CYCLE))
     store.stop()
+
+
+def test_a_task_of_a_file_is_trained_from_the_text_that_comes_with_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    file = TaskFile("my_tasks.py", ARM)
+    specs = [RunSpec("mpc", "Arm(stiffness=2)", 0, timesteps=1)]
+    said = list(
+        execute(assigned(specs), NOWHERE, tuple, never, file=file, measure_random_return=True)
+    )
+    assert [seed for p in said for seed in p.finished] == [0]
+    assert {p.fingerprint["task"] for p in said if p.fingerprint} == {file.digest}
+    (measured,) = [p.random_return for p in said if p.random_return]
+    assert (measured.environment, measured.version) == ("Arm(stiffness=2)", file.version)
+    (tmp_path / "d3pg" / "tasks" / file.digest / "my_tasks.py").write_text(ARM + "\n")
+    with pytest.raises(ValueError, match=rf"has the hash \w+, but the service's .*{file.digest}"):
+        list(execute(assigned(specs), NOWHERE, tuple, never, file=file))

@@ -40,6 +40,13 @@ def test_each_setting_is_a_flag(environment: dict[str, str]) -> None:
         assert environment[variable_of(name)] == value
 
 
+def test_a_task_file_may_be_given_again(environment: dict[str, str]) -> None:
+    flags = ["--tasks", "a.py", "--tasks", "b/c.py", "--min-workers", "0"]
+    assert isinstance(runner.invoke(app, ["serve", *flags]).exception, Started)
+    assert environment["D3PG_TASKS"] == "a.py,b/c.py"
+    assert environment["D3PG_MIN_WORKERS"] == "0"
+
+
 def test_what_is_not_given_is_not_set(environment: dict[str, str]) -> None:
     assert isinstance(runner.invoke(app, ["serve", "--port", "8001"]).exception, Started)
     assert {name for name in environment if name.startswith("D3PG_")} >= {"D3PG_PORT"}
