@@ -17,7 +17,7 @@ from algorithms.early_end import DivergedError, Divergence, EarlyEnd, FailedRuns
 from algorithms.learner import Learner
 from algorithms.measurement import Measurement
 from algorithms.snapshot import Snapshot
-from algorithms.training import prepare
+from algorithms.training import Task, prepare
 from physics.kernels.compile_notice import noticed
 
 Callback = Callable[[Measurement], bool | None]
@@ -38,7 +38,7 @@ class Trainer(Iterator[Measurement]):
     def __init__(
         self,
         algorithm: str | Algorithm,
-        environment: str,
+        environment: Task,
         seeds: Iterable[int],
         weights: tuple[float, float] | None = None,
         timesteps: int | None = None,
@@ -140,7 +140,7 @@ class Trainer(Iterator[Measurement]):
 
 def train(
     algorithm: str | Algorithm,
-    environment: str,
+    environment: Task,
     seeds: Iterable[int],
     weights: tuple[float, float] | None = None,
     timesteps: int | None = None,
@@ -151,7 +151,7 @@ def train(
 
     Args:
         algorithm: a name of `algorithms.names()`, or an `Algorithm` of your own.
-        environment: a name of `physics.names()`.
+        environment: a task: a name that `physics.make` takes, a class or an instance.
         seeds: one run each, all different, from 0 on; a sequence or an array of integers.
         weights: (w1, w2), of the action and state gradient terms; None: the preset's. A hybrid with
             (0, 0) is its baseline, bit for bit, and a warning says so.

@@ -19,6 +19,7 @@ class Header:
     Attributes:
         task: the name of the task.
         task_version: the version that the policy was trained in.
+        parameters: the values of its physical parameters.
         state_size: n, the coordinates of a state.
         angles: coordinate -> multiplicity k; its features are cos(k theta), sin(k theta).
         hidden: coordinates without a feature.
@@ -34,6 +35,7 @@ class Header:
 
     task: str
     task_version: int
+    parameters: dict[str, float]
     state_size: int
     angles: dict[int, int]
     hidden: list[int]

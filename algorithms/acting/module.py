@@ -63,7 +63,8 @@ def hidden_parts(layer: Layer, policy: TrainedPolicy) -> list[nn.Module]:
 
 def linear(weight: Array, bias: Array) -> nn.Linear:
     """A product with `weight [inputs, outputs]`."""
-    made = nn.Linear(*weight.shape, device="meta")  # draws no random numbers
+    inputs, outputs = weight.shape
+    made = nn.Linear(inputs, outputs, device="meta")  # draws no random numbers
     made.weight = nn.Parameter(torch.tensor(weight.T))
     made.bias = nn.Parameter(torch.tensor(bias))
     return made

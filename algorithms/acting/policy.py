@@ -113,6 +113,7 @@ def policy_of(
     header = Header(
         task=environment.name,
         task_version=environment.version,
+        parameters=environment.parameters,
         state_size=environment.state_size,
         angles=dict(environment.angles),
         hidden=list(environment.hidden),

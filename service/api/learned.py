@@ -1,48 +1,59 @@
-"""Learned: what a run has learned, asked of the process beside the service."""
+"""Learned: what runs have learned, asked of the process beside the service."""
 
-from typing import Any
+from typing import Annotated, Any
 
+from fastapi import Depends
+
+from service.api.context import TheCheckpoints, TheShelf, TheSide
 from service.api.problems import ImpossibleMove, ServiceBusy
-from service.api.side_process import BusyError, Side, TooSlowError
+from service.api.side_process import BusyError, TooSlowError
 from service.model.environment import environment_facts
 from service.model.run import Run
-from service.task_shelf import TaskShelf
 from workers.checkpoints.folder import UnavailableError
-from workers.checkpoints.place import Place
 from workers.checkpoints.sealed_file import DamagedError
 
 
-def learned(
-    side: Side, function: str, checkpoints: Place, run: Run, shelf: TaskShelf, *arguments: Any
-) -> Any:
-    """What a function of `(checkpoints, run id, spec, file, *arguments)` makes of it.
+class Learned:
+    """The policies of runs, where they lie and who reads them."""
 
-    `file` is the text of the run's task where the task is of a file, else None.
+    def __init__(self, checkpoints: TheCheckpoints, side: TheSide, shelf: TheShelf) -> None:
+        """Read nothing yet."""
+        self._checkpoints = checkpoints
+        self._side = side
+        self._shelf = shelf
 
-    Raises:
-        ImpossibleMove: while the run has learned nothing that was written, where that cannot be
-            read, and where the service has no or another version of the run's task.
-        ServiceBusy: where it cannot be done now.
-    """
-    file = shelf.file_of(run.spec.environment, run.environment_version)
-    if file is None:
-        _refuse_another_version(run)
-    try:
-        answer = side.call(function, checkpoints, run.id, run.spec, file, *arguments)
-    except UnavailableError as trouble:
-        raise ServiceBusy(
-            f"What run {run.id} learned cannot be read now: {trouble.strerror}."
-        ) from trouble
-    except DamagedError as damage:
-        raise ImpossibleMove(f"What run {run.id} learned cannot be read: {damage}.") from damage
-    except (BusyError, TooSlowError, EOFError) as error:
-        raise ServiceBusy(f"The policy of run {run.id} cannot be had now: {error}.") from error
-    if answer is None:
-        raise ImpossibleMove(
-            f"Run {run.id} ({run.status}) has no policy: one is written with every checkpoint and "
-            "at the end, and mpc, which plans, learns none."
-        )
-    return answer
+    def call(self, function: str, run: Run, *arguments: Any) -> Any:
+        """What a function of `(checkpoints, run id, spec, task file, *arguments)` returns.
+
+        Raises:
+            ImpossibleMove: while the run has learned nothing that was written, where that cannot
+                be read, and where the service has no or another version of the run's task.
+            ServiceBusy: where it cannot be done now.
+        """
+        file = self._shelf.file_of(run.spec.environment, run.environment_version)
+        if file is None:
+            _refuse_another_version(run)
+        try:
+            answer = self._side.call(
+                function, self._checkpoints, run.id, run.spec, file, *arguments
+            )
+        except UnavailableError as trouble:
+            raise ServiceBusy(
+                f"What run {run.id} learned cannot be read now: {trouble.strerror}."
+            ) from trouble
+        except DamagedError as damage:
+            raise ImpossibleMove(f"What run {run.id} learned cannot be read: {damage}.") from damage
+        except (BusyError, TooSlowError, EOFError) as error:
+            raise ServiceBusy(f"The policy of run {run.id} cannot be had now: {error}.") from error
+        if answer is None:
+            raise ImpossibleMove(
+                f"Run {run.id} ({run.status}) has no policy: one is written with every checkpoint "
+                "and at the end, and mpc, which plans, learns none."
+            )
+        return answer
+
+
+TheLearned = Annotated[Learned, Depends()]
 
 
 def _refuse_another_version(run: Run) -> None:

@@ -47,7 +47,7 @@ class Idle(Walk):
 
 class Double(Walk):
     def improve(self, lived: Any) -> None:
-        self.theta = self.theta.astype(np.float64)  # type: ignore[assignment]
+        self.theta = self.theta.astype(np.float64)
 
 
 class Lost(Walk):

@@ -9,6 +9,7 @@ import pytest
 from fastapi import FastAPI
 from starlette.testclient import TestClient
 
+import algorithms
 from physics.task_file import TaskFile
 from service.api.side_process import SideProcess
 from service.bootstrap import wired
@@ -20,6 +21,7 @@ from service.task_shelf import TaskFileError, TaskShelf
 from tests.physics.test_task_file import ANOTHER, ARM
 from tests.service.conftest import changed
 from tests.service.fake_pool import FakePool
+from tests.workers.policies.test_rollout import write_policy
 from workers.messages.work import Work
 
 
@@ -79,6 +81,20 @@ def test_its_file_goes_with_the_work(
         dispatcher.work_round()
     files = {work.specs[0].environment: work.file for work in given}
     assert files == {"Arm": TaskFile.read(file), "Pendulum": None}
+
+
+def test_what_is_learned_on_it_is_had_as_a_policy(
+    serving: TestClient, settings: Settings, shelf: TaskShelf, file: Path
+) -> None:
+    body = changed(environments=["Arm(stiffness=2)"], algorithms=[{"name": "ddpg"}], seeds=1)
+    sweep = serving.post("/api/v1/sweeps", json=body).json()["id"]
+    write_policy(settings.checkpoint_place, f"{sweep}-0", f"{file}:Arm")
+    answer = serving.get(f"/api/v1/runs/{sweep}-0/policy")
+    assert answer.status_code == 200, answer.text
+    header = algorithms.load_policy(answer.content).header
+    assert (header.task, header.parameters) == ("Arm", {"stiffness": 2.0})
+    assert header.task_version == environment_facts("Arm").version
+    assert serving.get(f"/api/v1/runs/{sweep}-0/rollout").status_code == 200
 
 
 def test_a_changed_file_is_a_new_version_and_the_old_one_is_kept(

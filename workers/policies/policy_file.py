@@ -10,9 +10,9 @@ from workers.policies.task import task_of
 
 
 def policy_file(
-    checkpoints: Place, run_id: str, spec: RunSpec, file: TaskFile | None
+    checkpoints: Place, run_id: str, spec: RunSpec, file: TaskFile | None = None
 ) -> bytes | None:
-    """The content of the policy's file; None while the run has learned nothing that was written.
+    """The content of the file; None while the run has learned nothing that was written.
 
     `file` is the text of the task, where the task is of one.
 

@@ -1,4 +1,4 @@
-"""The task that a run learned."""
+"""Task: that of a run, installed here or of a file that comes with it."""
 
 import physics
 from physics.environment import Environment
@@ -7,5 +7,5 @@ from workers.messages.run_spec import RunSpec
 
 
 def task_of(spec: RunSpec, file: TaskFile | None) -> Environment:
-    """Make it: of its file's text where it comes from a file, else of the catalogue."""
+    """The task that a run learned in. Raises ValueError where it cannot be made."""
     return physics.make(file.reference(spec.environment) if file else spec.environment)

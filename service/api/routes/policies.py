@@ -4,8 +4,8 @@ from typing import Any
 
 from fastapi import APIRouter, Response
 
-from service.api.context import TheCheckpoints, TheRun, TheShelf, TheSide
-from service.api.learned import learned
+from service.api.context import TheRun
+from service.api.learned import TheLearned
 
 router = APIRouter(tags=["runs"])
 
@@ -20,15 +20,13 @@ ANSWERS: dict[int | str, dict[str, Any]] = {
 
 
 @router.get("/runs/{run_id}/policy", response_class=Response, responses=ANSWERS)
-def get_policy(
-    run: TheRun, checkpoints: TheCheckpoints, side: TheSide, shelf: TheShelf
-) -> Response:
+def get_policy(run: TheRun, learned: TheLearned) -> Response:
     """Download the policy that a run has learned, as of its last checkpoint or its end.
 
     The file is a NumPy archive, which `algorithms.load_policy` reads, and any program that reads
     NumPy's format without pickle. 409 while nothing that the run learned was written, and for
     `mpc`, which learns no policy.
     """
-    content = learned(side, "workers.policies.policy_file:policy_file", checkpoints, run, shelf)
+    content = learned.call("workers.policies.policy_file:policy_file", run)
     disposition = f'attachment; filename="{run.id}.npz"'
     return Response(content, media_type=MEDIA_TYPE, headers={"Content-Disposition": disposition})

@@ -12,7 +12,7 @@ from workers.policies.episode import Episode, play
 
 
 def learnt(environment: Environment) -> Snapshot:
-    learner = algorithms.build("ddpg", environment.name, [0], timesteps=1_600, config={})
+    learner = algorithms.build("ddpg", environment, [0], timesteps=1_600, config={})
     learner.advance()
     snapshot = learner.snapshot(0)
     assert snapshot is not None

@@ -15,7 +15,7 @@ RUN = "0123456789ab-0"
 
 
 def write_policy(place: Place, run_id: str, environment: str) -> None:
-    """Leave what a run has learned where its worker would."""
+    """Leave what a run has learned where its worker would; the task as `physics.make` takes it."""
     snapshot = learnt(physics.make(environment))
     packed = sealed_file.packed(snapshot.arrays())
     sealed_file.write(folder_in(place, run_id), POLICY, packed)
