@@ -326,4 +326,4 @@ def completed(algorithm: str, environment: str, config: Mapping[str, Any]) -> di
     stated = form(algorithm, config)
     if stated is None:
         return {**preset(algorithm, environment).config, **config}
-    return {**stated.chosen.get(environment, {}), **config}
+    return {**stated.chosen.get(name_of(environment), {}), **config}

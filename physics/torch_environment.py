@@ -17,9 +17,9 @@ every call of an author's function is made with gradients enabled, whatever mode
 """
 
 from abc import abstractmethod
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import torch
@@ -74,12 +74,12 @@ class TorchEnvironment(Environment):
         terminated: BoolArray,
     ) -> int:
         """Step every row; see `Environment.step_kernel`."""
-        _fill(self._transitions, states, actions, (next_states, rewards, terminated))
+        _fill(self.transitions, states, actions, (next_states, rewards, terminated))
         return -1
 
     def differentiate_kernel(self, states: FloatArray, actions: FloatArray, *outputs: Any) -> int:
         """Step and differentiate every row; see `Environment.differentiate_kernel`."""
-        _fill(self._transitions, states, actions, outputs[:3])
+        _fill(self.transitions, states, actions, outputs[:3])
         _fill(self.derivatives, states, actions, outputs[3:])
         return -1
 
@@ -108,8 +108,12 @@ class TorchEnvironment(Environment):
         gradients: Callable[..., Tensors] = grad(self.reward, argnums=(0, 1, 2))
         return gradients(state, action, following)
 
-    def _transitions(self, states: torch.Tensor, actions: torch.Tensor) -> Tensors:
-        """The fields of a `Transition`."""
+    def with_tensors(self, values: Mapping[str, torch.Tensor]) -> Self:
+        """The same task with tensors [] as values of parameters, to be differentiated in them."""
+        return self._changed(values)
+
+    def transitions(self, states: torch.Tensor, actions: torch.Tensor) -> Tensors:
+        """The fields of a `Transition` of rows, differentiable."""
         return vmap(self._transition)(states, actions.clamp(-1.0, 1.0))
 
     def _transition(self, state: torch.Tensor, action: torch.Tensor) -> Tensors:

@@ -12,7 +12,7 @@ from service.api.schemas.sweep_request import MAX_RUNS, AlgorithmRequest, SweepR
 from service.api.submission.grid_faults import repeated_values
 from service.api.submission.nearest import unknown_name
 from service.model.entry import Entry, Json, entries_of, listed
-from service.model.environment import environment_facts, submittable_facts
+from service.model.environment import environment_facts, submittable_facts, without_defaults
 
 Value = TypeVar("Value")
 
@@ -51,7 +51,12 @@ def product_faults(request: SweepRequest, posted: Json, entries: Sequence[Entry]
     seeds = [] if isinstance(request.seeds, int) else request.seeds
     return [
         *_repeated({f"seeds[{i}]": seed for i, seed in enumerate(seeds)}),
-        *_repeated({f"environments[{i}]": name for i, name in enumerate(request.environments)}),
+        *_repeated(
+            {
+                f"environments[{i}]": without_defaults(name)
+                for i, name in enumerate(request.environments)
+            }
+        ),
         *_environments_faults(request),
         *repeated_values(posted),
         *_useless_weights(request, entries),
