@@ -44,7 +44,7 @@ def wired(settings: Settings) -> Iterator[FastAPI]:
             )
             app = create_app(settings, store, dispatcher)
             chores = (
-                CheckpointRemoval(store, settings.checkpoint_place),
+                CheckpointRemoval(store, settings.checkpoint_place, settings.keep_checkpoints),
                 Disposal(store, settings.checkpoint_place, settings.retention),
             )
             dispatcher.start()

@@ -70,6 +70,11 @@ class Settings(BaseSettings):
         ge=LEAST_BYTES,
         description="What the runs of one worker may fill, such as 6GB",
     )
+    keep_checkpoints: ByteSize = Field(
+        default=ByteSize(2 * 10**9),
+        ge=0,
+        description="What the last checkpoints of runs that ended may fill, such as 2GB; 0: none",
+    )
     keep_policies: float | None = Field(
         default=None, gt=0, description="Days that what a run learned is kept after its end"
     )

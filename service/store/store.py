@@ -30,6 +30,7 @@ from service.store.claiming import (
     claims,
     deletion,
     endings,
+    growth,
     run_moves,
     sweep_edits,
     sweep_moves,
@@ -134,6 +135,10 @@ class Store:
     sweep_outlines = _reads(standings.outlines)
     sweep_tags = _reads(sweep_names.all_tags)
     edit_sweep = _writes(sweep_edits.edit)
+    sweep_cells = _reads(growth.cells)
+    add_seeds = _writes(growth.add_seeds)
+    add_entries = _writes(growth.add_entries)
+    extend_sweep = _writes(growth.extend)
     delete_sweep = _writes(deletion.delete_sweep)
     move_all = _writes(bulk.move_all)
     move_sweep = _writes(sweep_moves.move_sweep)
@@ -151,6 +156,8 @@ class Store:
     fail = _writes(endings.fail)
     release = _writes(endings.release)
     ended_with_checkpoints = _reads(checkpoints.of_ended)
+    keep_checkpoints = _writes(checkpoints.keep)
+    checkpoints_beyond = _reads(checkpoints.kept_beyond)
     forget_checkpoints = _writes(checkpoints.forget)
 
     def claim_cohort(

@@ -38,6 +38,7 @@ def create(
     entries: Sequence[int] | None = None,
     notes: str = "",
     tags: Sequence[str] = (),
+    max_workers: int | None = None,
     environment_versions: Mapping[str, int],
     submission_key: str | None = None,
 ) -> Sweep:
@@ -61,6 +62,7 @@ def create(
         request=request,
         submission_key=submission_key,
         notes=notes,
+        max_workers=max_workers,
     )
     number = connection.execute(heading.returning(sweeps.c.number)).scalar_one()
     connection.execute(
