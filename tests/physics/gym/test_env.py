@@ -20,6 +20,7 @@ from stable_baselines3.common.env_checker import check_env as check_env_of_stabl
 import physics
 from physics.environment import FloatArray, UnsolvedStepError
 from physics.gym.env import GymnasiumEnvironment
+from physics.gym.registration import identifier
 from physics.gym.vector_env import GymnasiumVectorEnvironment
 from physics.randomness import generator
 from tests.physics.test_parameter import Spring
@@ -28,7 +29,7 @@ every_task = pytest.mark.parametrize("name", physics.names())
 
 
 def make(name: str, **settings: Any) -> gymnasium.Env[FloatArray, Any]:
-    return gymnasium.make(f"d3pg/{name}-v0", **settings)
+    return gymnasium.make(identifier(name), **settings)
 
 
 def bare(name: str, **settings: Any) -> GymnasiumEnvironment:
