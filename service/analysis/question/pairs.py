@@ -80,7 +80,7 @@ def all_pairs(
     cells = {
         cell: {run.spec.seed: run for run in runs}
         for cell, runs in grouped(
-            run_curves, lambda run: (run.spec.environment, entries.label(run.run_id))
+            run_curves, lambda run: (run.spec.environment, entries.label(run))
         ).items()
     }
     found = []
