@@ -10,6 +10,7 @@ from service.api.app import create_app
 from service.data_dir import owned
 from service.queue.checkpoint_removal import CheckpointRemoval
 from service.queue.dispatch import Dispatcher
+from service.queue.question_rounds import QuestionRounds
 from service.queue.worker_memory import runs_at_once
 from service.settings import Settings
 from service.store.store import Store
@@ -43,11 +44,14 @@ def wired(settings: Settings) -> Iterator[FastAPI]:
             )
             app = create_app(settings, store, dispatcher)
             removal = CheckpointRemoval(store, settings.checkpoint_place)
+            questions = QuestionRounds(store)
             dispatcher.start()
             removal.start()
+            questions.start()
             try:
                 yield app
             finally:
+                questions.stop()
                 removal.stop()
                 dispatcher.stop()
         finally:

@@ -41,6 +41,7 @@ from service.api.schemas.sweep_answer import DryRunAnswer, SweepAnswer
 from service.api.schemas.sweep_request import SweepRequest
 from service.model.move import Move
 from service.model.run_name import is_run
+from service.model.sweep import SweepStatus
 
 API = "/api/v1"
 
@@ -374,10 +375,8 @@ def path_of(identifier: str) -> str:
 
 
 def has_ended(sweep: SweepAnswer) -> bool:
-    """Whether every run of the sweep is final."""
-    counts = sweep.runs
-    ended = counts.succeeded + counts.failed + counts.diverged + counts.cancelled
-    return counts.total == ended
+    """Whether every run of the sweep is final, and its question, if it asks one, settled."""
+    return sweep.status in (SweepStatus.FINISHED, SweepStatus.CANCELLED)
 
 
 def problem_text(response: httpx2.Response) -> str:

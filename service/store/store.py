@@ -24,7 +24,14 @@ from sqlalchemy import Connection, Engine, text
 from service.metrics import MEASUREMENTS
 from service.model.claim import CellLimit, Claim, no_limit
 from service.store import records
-from service.store.claiming import checkpoints, claims, endings, run_moves, sweep_moves
+from service.store.claiming import (
+    checkpoints,
+    claims,
+    endings,
+    question_batches,
+    run_moves,
+    sweep_moves,
+)
 from service.store.claiming.retry import RetryPolicy
 from service.store.connection import connect
 from service.store.reader import Reader
@@ -118,6 +125,7 @@ class Store:
 
     create_sweep = _writes(sweeps.create)
     find_sweep = _reads(sweeps.find)
+    get_sweep = _reads(sweeps.get)
     sweep_request = _reads(sweeps.request)
     sweep_version = _reads(sweeps.version)
     list_sweeps = _reads(sweeps.page)
@@ -126,6 +134,8 @@ class Store:
     list_runs = _reads(runs.page)
     move_run = _writes(run_moves.move_run)
     attempts = _reads(runs.history)
+    waiting_questions = _reads(question_batches.waiting)
+    go_on_asking = _writes(question_batches.go_on)
 
     # ---- the queue
 

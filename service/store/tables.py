@@ -62,8 +62,12 @@ sweeps = Table(
     Column("cancelled_at", Double),
     Column("paused_at", Double),
     Column("submission_key", Text, unique=True, index=True),
+    Column("question", Text),  # "open" or "settled"; NULL: it asks none
     sqlite_autoincrement=True,
 )
+
+_open = text("question = 'open'")
+Index("ix_sweeps_open", sweeps.c.number, sqlite_where=_open, postgresql_where=_open)
 
 runs = Table(
     "runs",

@@ -46,6 +46,8 @@ class Outcome(IntEnum):
     EQUIVALENT = 3
     DROPPED = 4
     """Its entry was worse in another task, and losers are dropped."""
+    STALLED = 5
+    """No pair of its last batch can be compared: their runs failed or were cancelled."""
 
 
 @dataclass(frozen=True)
@@ -85,12 +87,17 @@ def refuted(differences: Floats, n: Sequence[int], question: Question) -> Refute
 
 
 def decide(
-    evidence: Refuted, ended: Looks, entries: Sequence[int], question: Question
+    evidence: Refuted,
+    n: Looks,
+    ended: Looks,
+    entries: Sequence[int],
+    question: Question,
 ) -> Decisions:
     """Return what is decided.
 
     Args:
         evidence: of each comparison at each look.
+        n: the pairs that count at each look [comparisons, looks].
         ended: the looks for which each comparison has all its runs [comparisons]. A look is taken
             when every open comparison has them.
         entries: of which entry each comparison is.
@@ -105,6 +112,8 @@ def decide(
             break
         look += open_
         _take(evidence, k, outcome, level, question)
+        is_stalled = n[:, k] == (n[:, k - 1] if k else 0)
+        outcome[(outcome == Outcome.OPEN) & is_stalled] = Outcome.STALLED
         if question.drop_losers:
             _drop(outcome, np.asarray(entries))
     return Decisions(outcome, look, level)

@@ -50,12 +50,16 @@ class Verdict:
 def decisions(found: Sequence[Pairs], question: Question) -> Decisions:
     """Return what is decided of the comparisons."""
     most = max((len(pairs.looks) for pairs in found), default=0)
-    evidence = [refuted(p.differences, _padded(p.n, most), question) for p in found]
+    n = [_padded(pairs.n, most) for pairs in found]
+    evidence = [
+        refuted(pairs.differences, seen, question) for pairs, seen in zip(found, n, strict=True)
+    ]
     stacked = Refuted(
         *(np.array([getattr(each, kind) for each in evidence]) for kind in Refuted.__annotations__)
     )
     ended = np.array([len(pairs.looks) for pairs in found], np.int64)
-    return decide(stacked, ended, [pairs.place for pairs in found], question)
+    counts = np.array(n, np.int64).reshape(len(found), most)
+    return decide(stacked, counts, ended, [pairs.place for pairs in found], question)
 
 
 def _padded(n: tuple[int, ...], looks: int) -> tuple[int, ...]:

@@ -39,11 +39,16 @@ def move(
         values["finished_at"] = now()
     if RunStatus.FAILED in transition.sources:
         values |= {"finished_at": None, "losses": 0, "not_before": 0.0}
-    _update(connection, condition & runs.c.status.in_(transition.sources), values)
+    moved = _update(connection, condition & runs.c.status.in_(transition.sources), values)
+    if RunStatus.FAILED in transition.sources:  # what a question was answered by may change
+        reopened = sweeps.c.number.in_(moved) & sweeps.c.question.is_not(None)
+        connection.execute(update(sweeps).where(reopened).values(question="open"))
 
 
-def _update(connection: Connection, condition: ColumnElement[bool], values: dict[str, Any]) -> None:
-    """Write the new values, with the events."""
+def _update(
+    connection: Connection, condition: ColumnElement[bool], values: dict[str, Any]
+) -> set[int]:
+    """Write the new values, with the events; return the numbers of the sweeps."""
     moved = connection.execute(
         update(runs)
         .where(condition)
@@ -67,3 +72,4 @@ def _update(connection: Connection, condition: ColumnElement[bool], values: dict
             for row in sorted(moved, key=lambda row: row.ordinal)
         ],
     )
+    return set(names)

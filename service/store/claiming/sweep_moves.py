@@ -40,6 +40,8 @@ def _refusal(sweep: Sweep, row: Row[Any], asked: Move) -> str | None:
         return f"sweep {sweep.id} was cancelled: submit it again"
     if sweep.runs.active or (asked == "retry" and sweep.runs.failed):
         return None
+    if sweep.is_asking and asked != "retry":  # between two batches
+        return None
     ended = "was cancelled" if sweep.status is SweepStatus.CANCELLED else "has finished"
     return f"sweep {sweep.id} {ended}: {TRANSITIONS[asked].none_left}"
 

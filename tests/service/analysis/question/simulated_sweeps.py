@@ -105,8 +105,10 @@ def looks_of(question: Question) -> tuple[int, ...]:
 def decided(drawn: Drawn, question: Question) -> Decisions:
     """What the service would decide in each of the sweeps."""
     tasks = drawn.differences.shape[1]
-    evidence = refuted(drawn.differences, looks_of(question), question)
-    return decide(evidence, np.full(tasks, question.looks), range(tasks), question)
+    n = looks_of(question)
+    evidence = refuted(drawn.differences, n, question)
+    counts, ended = np.tile(n, (tasks, 1)), np.full(tasks, question.looks)
+    return decide(evidence, counts, ended, range(tasks), question)
 
 
 def wrong(decisions: Decisions, drawn: Drawn, question: Question) -> Flags:

@@ -11,7 +11,7 @@ from service.analysis.question.decision import Decisions, Outcome, Refuted, deci
 from service.model.question import Method, Question
 
 QUESTION = Question(tuple(range(8)), ("h",), "ddpg", max_seeds=24)
-OPEN, BETTER, WORSE, EQUIVALENT, DROPPED = Outcome
+OPEN, BETTER, WORSE, EQUIVALENT, DROPPED, STALLED = Outcome
 
 
 def evidence(better: list[list[float]], **others: list[list[float]]) -> Refuted:
@@ -23,11 +23,12 @@ def evidence(better: list[list[float]], **others: list[list[float]]) -> Refuted:
 
 def take(
     found: Refuted, ended: int | list[int] = 9, entries: tuple[int, ...] | None = None,
-    question: Question = QUESTION,
+    question: Question = QUESTION, n: list[list[int]] | None = None,
 ) -> Decisions:  # fmt: skip
-    comparisons = found.better.shape[0]
-    looks = np.broadcast_to(ended, comparisons)
-    return decide(found, looks, entries or tuple(range(comparisons)), question)
+    comparisons, looks = found.better.shape
+    pairs = np.tile(np.arange(1, looks + 1), (comparisons, 1)) if n is None else np.array(n)
+    places = entries or tuple(range(comparisons))
+    return decide(found, pairs, np.broadcast_to(ended, comparisons), places, question)
 
 
 def test_one_comparison_is_decided_at_half_the_error_rate() -> None:
@@ -76,6 +77,14 @@ def test_a_loser_gets_no_more_seeds_where_losers_are_dropped() -> None:
     assert dropped.look.tolist() == [1, 1, 2]
 
 
+def test_a_batch_without_a_pair_ends_its_comparison_alone() -> None:
+    found = evidence([[1.0, 1.0, 0.001], [1.0, 1.0, 0.001], [0.001, 1.0, 1.0]])
+    stalled = take(found, n=[[8, 8, 8], [8, 16, 24], [0, 0, 0]])
+    assert stalled.outcome.tolist() == [STALLED, BETTER, BETTER]
+    assert stalled.look.tolist() == [2, 3, 1]
+    assert take(evidence([[1.0]]), n=[[0]]).outcome == [STALLED]
+
+
 @pytest.mark.parametrize("method", ["bounded", "normal"])
 @pytest.mark.parametrize("mean", [-0.2, 0.0, 0.01, 0.2])
 def test_decisions_are_what_the_confidence_sequence_shows(method: Method, mean: float) -> None:
@@ -94,7 +103,8 @@ def test_decisions_are_what_the_confidence_sequence_shows(method: Method, mean: 
 def test_many_sweeps_are_decided_at_once_as_each_by_itself() -> None:
     p = np.random.default_rng(0).uniform(0, 0.05, (20, 3, 4))
     found = Refuted(*(np.maximum.accumulate(-np.log(p), axis=-1) for _ in range(3)))
-    together = decide(found, np.full(3, 4), (0, 1, 2), QUESTION)
+    n = np.tile(np.arange(1, 5), (3, 1))
+    together = decide(found, n, np.full(3, 4), (0, 1, 2), QUESTION)
     for sweep in range(20):
         alone = take(Refuted(*(kind[sweep] for kind in vars(found).values())))
         assert alone.outcome.tolist() == together.outcome[sweep].tolist()

@@ -1,0 +1,79 @@
+"""The rounds of questions: after each batch, the next one, until the question is answered.
+
+The next batch is a pure function of the runs that have ended (`service/analysis/question`). Nothing
+is remembered here: a service that is killed at any moment asks for the same seeds again, and the
+store writes them once (`service/store/claiming/question_batches.py`).
+"""
+
+import threading
+from collections.abc import Mapping, Sequence
+
+import structlog
+
+from service.analysis.question.pairs import all_pairs
+from service.analysis.question.verdict import wanted
+from service.model.entry import Entries
+from service.model.environment import best_return
+from service.model.question import Question
+from service.store.claiming.question_batches import Cell
+from service.store.store import Store
+
+log = structlog.get_logger(__name__)
+
+ROUND_SECONDS = 0.5
+
+Batch = Mapping[Cell, Sequence[int]]
+
+
+class QuestionRounds:
+    """Looks twice a second, on a thread of its own. `start` begins, `stop` ends."""
+
+    def __init__(self, store: Store, seconds: float = ROUND_SECONDS) -> None:
+        """Begin nothing yet; so many seconds pass between two looks."""
+        self._store = store
+        self._seconds = seconds
+        self._stopping = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="question rounds", daemon=True)
+
+    def start(self) -> None:
+        """Start the thread."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Stop after the look that is under way."""
+        self._stopping.set()
+        self._thread.join()
+
+    def _run(self) -> None:
+        while not self._stopping.wait(self._seconds):
+            try:
+                look_at_all(self._store)
+            except Exception:  # the database refuses: tried again
+                log.exception("questions could not be looked at")
+
+
+def look_at_all(store: Store) -> int:
+    """Look at every question whose batch has ended; return how many runs were added."""
+    return sum(look(store, sweep_id) for sweep_id in store.waiting_questions())
+
+
+def look(store: Store, sweep_id: str) -> int:
+    """Ask for a question's next batch, or settle it; return how many runs were added."""
+    return store.go_on_asking(sweep_id, *next_batch(store, sweep_id))
+
+
+def next_batch(store: Store, sweep_id: str) -> tuple[int, Batch]:
+    """Return how many runs the sweep has now, and the seeds that its cells are to have."""
+    sweep = store.get_sweep(sweep_id)
+    question, entries = Question.of(sweep.request), Entries(sweep.request)
+    if question is None:
+        return sweep.runs.total, {}
+    x = "timesteps" if question.threshold is None else "seconds"
+    curves = store.curve_points(sweep_id, "return_mean", x)
+    found = all_pairs(curves, entries, question, store.random_returns(), best_return)
+    places = {entry.label: entry.place for entry in entries.all}
+    batch = {
+        (environment, places[label]): seeds
+        for (environment, label), seeds in wanted(found, question).items()
+    }
+    return sweep.runs.total, batch
