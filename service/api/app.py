@@ -35,6 +35,7 @@ from service.api.routes import (
     scores,
     signin,
     sweeps,
+    verdict,
 )
 from service.api.security import Guard
 from service.api.side_process import SideProcess
@@ -50,6 +51,7 @@ RESOURCES = (
     measurements,
     curves,
     scores,
+    verdict,
     figures,
     events,
     catalogue,

@@ -14,7 +14,8 @@ from rich.text import Text
 
 from service.api.schemas.curves_answer import CurveAnswer
 from service.api.schemas.run_answer import RunAnswer
-from service.api.schemas.sweep_answer import SweepAnswer
+from service.api.schemas.sweep_answer import SweepAnswer, SweepHead
+from service.api.schemas.verdict_answer import VerdictAnswer
 from service.cli.terminal import AsJson, SweepId, console, plain, print_table, say, table_of
 from service.client import Client
 
@@ -45,6 +46,8 @@ def follow(client: Client, sweep_id: str, console: Console, *, as_json: bool = F
         typer.echo(f"The sweep goes on. Look again: d3pg watch {sweep_id}", err=True)
         raise
     if not as_json:
+        if ended.request.get("question"):
+            say_verdict(client.verdict(sweep_id), console)
         for run in _unsuccessful(client, ended):
             say(
                 f"{run.id} {run.label} {run.environment} seed {run.seed}: "
@@ -52,6 +55,14 @@ def follow(client: Client, sweep_id: str, console: Console, *, as_json: bool = F
                 console,
             )
     return 1 if ended.runs.failed + ended.runs.diverged else 0
+
+
+def say_verdict(verdict: VerdictAnswer, console: Console = console) -> None:
+    """Print what a question has come to: a line a comparison, and the sentence for a paper."""
+    for each in verdict.comparisons:
+        say(f"{each.environment}: {each.label} vs {each.against}: {each.sentence}", console)
+    if verdict.is_settled:
+        say(verdict.paper, console)
 
 
 def _followed(client: Client, sweep: SweepAnswer, console: Console, as_json: bool) -> SweepAnswer:
@@ -155,13 +166,13 @@ def _latest(curve: CurveAnswer) -> tuple[str, str, str]:
     return f"{curve.x[i]:,.0f}", value, str(n) if n == curve.runs else f"{n} of {curve.runs}"
 
 
-def counts_text(sweep: SweepAnswer) -> str:
+def counts_text(sweep: SweepHead) -> str:
     """The runs by status, those there are: `2 running, 14 queued`."""
     counts = sweep.runs.model_dump(exclude={"total"})
     return ", ".join(f"{count} {status}" for status, count in counts.items() if count)
 
 
-def eta_text(sweep: SweepAnswer) -> str:
+def eta_text(sweep: SweepHead) -> str:
     """The time left in words; empty where it is not known, or none is left."""
     if not sweep.eta_seconds:
         return ""

@@ -63,6 +63,7 @@ class Run:
     checkpoint_timestep of its newest checkpoint; 0 where there is none, as after its end
     resumed_timestep    where the current attempt took it up; None until its worker says
     memory_bytes        that it may come to fill in its worker; None until that is known
+    score               its final score, raw; NaN unless it succeeded
     """
 
     id: str
@@ -82,6 +83,7 @@ class Run:
     checkpoint_timestep: int
     resumed_timestep: int | None
     memory_bytes: int | None
+    score: float
 
 
 @dataclass(frozen=True)

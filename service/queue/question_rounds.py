@@ -10,11 +10,12 @@ from collections.abc import Mapping, Sequence
 
 import structlog
 
-from service.analysis.question.pairs import all_pairs
+from service.analysis.question.pairs import Pairs, all_pairs
 from service.analysis.question.verdict import wanted
 from service.model.entry import Entries
 from service.model.environment import best_return
 from service.model.question import Question
+from service.model.sweep import Sweep
 from service.store.claiming.question_batches import Cell
 from service.store.store import Store
 
@@ -68,12 +69,18 @@ def next_batch(store: Store, sweep_id: str) -> tuple[int, Batch]:
     question, entries = Question.of(sweep.request), Entries(sweep.request)
     if question is None:
         return sweep.runs.total, {}
-    x = "timesteps" if question.threshold is None else "seconds"
-    curves = store.curve_points(sweep_id, "return_mean", x)
-    found = all_pairs(curves, entries, question, store.random_returns(), best_return)
     places = {entry.label: entry.place for entry in entries.all}
     batch = {
         (environment, places[label]): seeds
-        for (environment, label), seeds in wanted(found, question).items()
+        for (environment, label), seeds in wanted(
+            pairs_of(store, sweep, question), question
+        ).items()
     }
     return sweep.runs.total, batch
+
+
+def pairs_of(store: Store, sweep: Sweep, question: Question) -> list[Pairs]:
+    """Return the pairs of a sweep's comparisons, as its runs stand."""
+    x = "timesteps" if question.threshold is None else "seconds"
+    curves = store.curve_points(sweep.id, "return_mean", x)
+    return all_pairs(curves, Entries(sweep.request), question, store.random_returns(), best_return)

@@ -19,6 +19,7 @@ CONTINUATIONS = 100
 HORIZON = 1000
 """Seeds looked ahead."""
 MIN_PAIRS = 4
+MOST_PAIRS = 10_000
 
 
 @dataclass(frozen=True)
@@ -54,12 +55,12 @@ def forecast(pairs: Pairs, level: float, question: Question) -> Forecast | None:
     )
 
 
-def fewest_to_equivalence(question: Question, comparisons: int) -> int:
-    """Return the pairs that "equivalent" needs where all differences are 0, all others open."""
+def fewest_to_equivalence(question: Question, comparisons: int) -> int | None:
+    """Return the pairs that "equivalent" needs where all differences are 0 and nothing is decided.
+
+    None where MOST_PAIRS are too few.
+    """
     level = question.error_rate / (2 * comparisons)
-    n = 64
-    while True:
-        found = refuted(np.zeros(n), tuple(range(n + 1)), question)
-        if (enough := np.flatnonzero(found.equivalent >= -np.log(level))).size:
-            return int(enough[0])
-        n *= 2
+    found = refuted(np.zeros(MOST_PAIRS), range(MOST_PAIRS + 1), question)
+    enough = np.flatnonzero(found.equivalent >= -np.log(level))
+    return int(enough[0]) if len(enough) else None

@@ -48,7 +48,7 @@ class Verdict:
 
 
 def decisions(found: Sequence[Pairs], question: Question) -> Decisions:
-    """Return what is decided of the comparisons."""
+    """Return what is decided of the comparisons, at least one."""
     most = max((len(pairs.looks) for pairs in found), default=0)
     n = [_padded(pairs.n, most) for pairs in found]
     evidence = [
@@ -69,6 +69,8 @@ def _padded(n: tuple[int, ...], looks: int) -> tuple[int, ...]:
 
 def wanted(found: Sequence[Pairs], question: Question) -> dict[Cell, tuple[int, ...]]:
     """Return the seeds that cells are to have for the next look; none where it is settled."""
+    if not found:
+        return {}
     decided = decisions(found, question)
     asked: dict[Cell, tuple[int, ...]] = {}
     for pairs, outcome, look in zip(found, decided.outcome, decided.look, strict=True):
@@ -80,6 +82,8 @@ def wanted(found: Sequence[Pairs], question: Question) -> dict[Cell, tuple[int, 
 
 def verdict(found: Sequence[Pairs], question: Question) -> Verdict:
     """Return all that is known."""
+    if not found:
+        return Verdict(question, (), is_settled=True)
     decided = decisions(found, question)
     answers = tuple(
         _answer(pairs.until(int(look)), Outcome(outcome), float(level), question)

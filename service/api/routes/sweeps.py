@@ -5,14 +5,22 @@ from typing import Annotated
 
 from fastapi import APIRouter, Header, Query, Request, Response
 from fastapi.responses import JSONResponse
+from pydantic import Field
 
 from service.analysis.cost import cell_costs
 from service.api.context import TheStore, TheSweep, TheWorkerMemory, TheWorkforce
 from service.api.problems import Fault, InvalidRequest
+from service.api.schemas.listed_sweep_answer import SPARKLINE_POINTS, ListedSweepAnswer
 from service.api.schemas.page import Page, PageQuery, page_of, read_cursor
 from service.api.schemas.sweep_answer import DryRunAnswer, SweepAnswer
+from service.api.schemas.sweep_edit import OneTag, SweepEdit
 from service.api.schemas.sweep_request import SweepRequest
+from service.api.schemas.texts import MAX_NAME, Name, Text
 from service.api.submission.plan import plan
+from service.model.environment import best_return
+from service.model.standing import best_of
+from service.model.sweep import SweepStatus
+from service.store.reading.sweep_search import Archived, SweepSearch
 from service.store.refusal import SubmissionKeyReusedError
 
 router = APIRouter(prefix="/sweeps", tags=["sweeps"])
@@ -63,6 +71,8 @@ def submit_sweep(
             request.model_dump(mode="json", exclude_unset=True),
             planned.specs(),
             entries=planned.places(),
+            notes=request.notes,
+            tags=request.tags,
             environment_versions=planned.environment_versions,
             submission_key=idempotency_key,
         )
@@ -72,13 +82,48 @@ def submit_sweep(
     return SweepAnswer.of(sweep, planned.notices)
 
 
+class SweepQuery(PageQuery):
+    """Which sweeps."""
+
+    q: Text | None = Field(
+        default=None,
+        max_length=MAX_NAME,
+        description="A text in the name, the notes or a tag, or the beginning of the id.",
+    )
+    tag: OneTag | None = None
+    algorithm: Name | None = None
+    environment: Name | None = None
+    status: SweepStatus | None = None
+    archived: Archived = "false"
+
+    @property
+    def search(self) -> SweepSearch:
+        """What is asked of the store."""
+        return SweepSearch(
+            self.q, self.tag, self.algorithm, self.environment, self.status, self.archived
+        )
+
+
 @router.get("")
 def list_sweeps(
-    page: Annotated[PageQuery, Query()], request: Request, response: Response, store: TheStore
-) -> Page[SweepAnswer]:
-    """List sweeps, newest first."""
-    sweeps = store.list_sweeps(read_cursor(page.after), page.limit + 1)
-    return page_of([SweepAnswer.of(sweep) for sweep in sweeps], page.limit, request, response)
+    query: Annotated[SweepQuery, Query()], request: Request, response: Response, store: TheStore
+) -> Page[ListedSweepAnswer]:
+    """List sweeps, newest first; those that are archived only where they are asked for."""
+    sweeps = store.list_sweeps(read_cursor(query.after), query.limit + 1, query.search)
+    cells = store.sweep_standings([sweep.id for sweep in sweeps[: query.limit]])
+    best = best_of(cells, store.random_returns(), best_return)
+    outlines = store.sweep_outlines([each.cell for each in best.values()], SPARKLINE_POINTS)
+    answers = [
+        ListedSweepAnswer.of(sweep, best.get(sweep.id), outlines.get(sweep.id, ()))
+        for sweep in sweeps
+    ]
+    return page_of(answers, query.limit, request, response)
+
+
+@router.patch("/{sweep_id}")
+def edit_sweep(sweep: TheSweep, edit: SweepEdit, store: TheStore) -> SweepAnswer:
+    """Change how a sweep is described, found and ranked; at any time."""
+    return SweepAnswer.of(store.edit_sweep(sweep.id, edit.changes))
 
 
 @router.get("/{sweep_id}")

@@ -6,13 +6,14 @@ from typing import Any
 
 import pytest
 
-from algorithms.early_end import Divergence
+from algorithms.early_end import Divergence, Failure
 from algorithms.measurement import Measurement
 from service.model.question import Question
 from service.model.sweep import Sweep, SweepStatus
 from service.queue.question_rounds import QuestionRounds, look_at_all, next_batch
+from service.store.reading.sweep_search import SweepSearch
 from service.store.store import Store
-from workers.messages.progress import Failure, Progress
+from workers.messages.progress import Progress
 from workers.messages.random_return import RandomReturn
 from workers.messages.run_spec import RunSpec
 
@@ -181,3 +182,23 @@ def test_the_thread_looks_by_itself(store: Store) -> None:
         pass
     rounds.stop()
     assert store.get_sweep(sweep.id).runs.total == 16
+
+
+def test_a_list_finds_sweeps_by_the_status_that_they_show(store: Store) -> None:
+    """Between two batches no run of theirs is active."""
+    going, paused, cancelled = (asking(store) for _ in range(3))
+    train(store)
+    store.move_sweep(paused.id, "pause")
+    store.move_sweep(cancelled.id, "cancel")
+    answered = asking(store, max_seeds=4)
+    train(store)
+    look_at_all(store)
+    expected = {
+        going.id: "running", paused.id: "paused", cancelled.id: "cancelled", answered.id: "finished"
+    }  # fmt: skip
+    for sweep_id, shown in expected.items():
+        assert store.get_sweep(sweep_id).status == shown
+    for status in SweepStatus:
+        listed = store.list_sweeps(search=SweepSearch(status=status))
+        assert all(sweep.status == status for sweep in listed)
+        assert len(listed) == list(expected.values()).count(status)

@@ -93,5 +93,12 @@ def test_a_forecast_says_nothing_of_three_pairs_nor_of_what_is_too_far() -> None
 
 @pytest.mark.parametrize(("clip", "fewest"), [(1.0, 237), (0.25, 58)])
 def test_equivalence_needs_pairs_however_alike_they_are(clip: float, fewest: int) -> None:
-    assert fewest_to_equivalence(replace(QUESTION, clip=clip), 1) == fewest
-    assert fewest_to_equivalence(replace(QUESTION, clip=clip), 5) > fewest
+    question = replace(QUESTION, clip=clip)
+    assert fewest_to_equivalence(question, 1) == fewest
+    assert (fewest_to_equivalence(question, 5) or 0) > fewest
+    assert fewest_to_equivalence(replace(question, margin=1e-9), 1) is None
+
+
+def test_a_question_without_a_comparison_is_settled() -> None:
+    assert wanted([], QUESTION) == {}
+    assert verdict([], QUESTION).is_settled
