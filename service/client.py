@@ -33,6 +33,7 @@ from service.api.schemas.listed_sweep_answer import ListedSweepAnswer
 from service.api.schemas.measurements_answer import MeasurementsAnswer
 from service.api.schemas.number import unsayable
 from service.api.schemas.page import Page
+from service.api.schemas.question.verdict_answer import VerdictAnswer
 from service.api.schemas.readiness_answer import ReadinessAnswer
 from service.api.schemas.rollout_answer import RolloutAnswer
 from service.api.schemas.run_answer import AttemptAnswer, ListedRunAnswer, RunAnswer
@@ -40,7 +41,6 @@ from service.api.schemas.score_table_answer import ScoreTableAnswer
 from service.api.schemas.statistics_answer import StatisticsAnswer
 from service.api.schemas.sweep_answer import DryRunAnswer, SweepAnswer, SweepHead
 from service.api.schemas.sweep_request import SweepRequest
-from service.api.schemas.verdict_answer import VerdictAnswer
 from service.model.move import Move
 from service.model.run_name import is_run
 from service.model.sweep import SweepStatus

@@ -35,7 +35,6 @@ from service.api.routes import (
     scores,
     signin,
     sweeps,
-    verdict,
 )
 from service.api.security import Guard
 from service.api.side_process import SideProcess
@@ -51,7 +50,6 @@ RESOURCES = (
     measurements,
     curves,
     scores,
-    verdict,
     figures,
     events,
     catalogue,

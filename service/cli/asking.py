@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from service.api.schemas.verdict_answer import VerdictAnswer
+from service.api.schemas.question.verdict_answer import VerdictAnswer
 from service.cli.following import follow
 from service.cli.submitting import algorithm_of, say_notices
 from service.cli.terminal import AsJson, console, print_json, say

@@ -13,9 +13,9 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 from rich.text import Text
 
 from service.api.schemas.curves_answer import CurveAnswer
+from service.api.schemas.question.verdict_answer import VerdictAnswer
 from service.api.schemas.run_answer import RunAnswer
 from service.api.schemas.sweep_answer import SweepAnswer, SweepHead
-from service.api.schemas.verdict_answer import VerdictAnswer
 from service.cli.terminal import AsJson, SweepId, console, plain, print_table, say, table_of
 from service.client import Client
 

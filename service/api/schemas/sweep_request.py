@@ -14,7 +14,7 @@ from pydantic import (
 )
 
 from algorithms.presets import SMALLEST_WEIGHT
-from service.api.schemas.question_request import QuestionRequest
+from service.api.schemas.question.question_request import QuestionRequest
 from service.api.schemas.sweep_edit import (
     NAME_TEXT,
     NOTES_TEXT,

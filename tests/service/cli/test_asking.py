@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from service.api.schemas.verdict_answer import VerdictAnswer
+from service.api.schemas.question.verdict_answer import VerdictAnswer
 from service.cli.asking import NO, UNDECIDED, YES, exit_code, sides_of
 from service.client import Client
 from service.queue.question_rounds import look_at_all

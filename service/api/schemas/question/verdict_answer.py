@@ -110,6 +110,7 @@ class VerdictAnswer(BaseModel):
                 {
                     "sweep": "3f9a0c51b7de",
                     "is_settled": True,
+                    "margin": 0.02,
                     "definition": DEFINITION,
                     "comparisons": [
                         {
@@ -144,6 +145,7 @@ class VerdictAnswer(BaseModel):
 
     sweep: str
     is_settled: bool = Field(description="No more seeds will be added.")
+    margin: float = Field(description="Differences of less than that do not matter.")
     definition: str = Field(description="What is compared, in words.")
     comparisons: list[ComparisonAnswer] = Field(description="Task by task.")
     paper: str = Field(description="Method, numbers of seeds, correction and results in words.")
@@ -154,6 +156,7 @@ class VerdictAnswer(BaseModel):
         return cls(
             sweep=sweep_id,
             is_settled=is_settled,
+            margin=verdict.question.margin,
             definition=DEFINITION,
             comparisons=[
                 ComparisonAnswer.of(answer, verdict.question, is_settled=is_settled)
