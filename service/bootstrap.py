@@ -10,6 +10,7 @@ from service.api.app import create_app
 from service.data_dir import owned
 from service.queue.checkpoint_removal import CheckpointRemoval
 from service.queue.dispatch import Dispatcher
+from service.queue.disposal import Disposal
 from service.queue.question_rounds import QuestionRounds
 from service.queue.worker_memory import runs_at_once
 from service.settings import Settings
@@ -43,16 +44,19 @@ def wired(settings: Settings) -> Iterator[FastAPI]:
                 limit_of=partial(runs_at_once, worker_memory=settings.run_memory),
             )
             app = create_app(settings, store, dispatcher)
-            removal = CheckpointRemoval(store, settings.checkpoint_place)
-            questions = QuestionRounds(store)
+            chores = (
+                CheckpointRemoval(store, settings.checkpoint_place),
+                Disposal(store, settings.checkpoint_place, settings.retention),
+                QuestionRounds(store),
+            )
             dispatcher.start()
-            removal.start()
-            questions.start()
+            for each in chores:
+                each.start()
             try:
                 yield app
             finally:
-                questions.stop()
-                removal.stop()
+                for each in chores:
+                    each.stop()
                 dispatcher.stop()
         finally:
             store.close()

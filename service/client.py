@@ -28,6 +28,7 @@ from pydantic import BaseModel
 
 from service.analysis.figures.figure_form import Form
 from service.analysis.figures.paper_figure import FigureNumber
+from service.api.schemas.bulk import BulkAnswer, DeletionAnswer
 from service.api.schemas.curves_answer import CurvesAnswer
 from service.api.schemas.listed_sweep_answer import ListedSweepAnswer
 from service.api.schemas.measurements_answer import MeasurementsAnswer
@@ -44,6 +45,7 @@ from service.api.schemas.sweep_request import SweepRequest
 from service.model.move import Move
 from service.model.run_name import is_run
 from service.model.sweep import SweepStatus
+from service.store.claiming.bulk import BulkMove
 
 API = "/api/v1"
 
@@ -271,6 +273,24 @@ class Client:
         if is_run(identifier):
             return RunAnswer.model_validate_json(answer)
         return SweepAnswer.model_validate_json(answer)
+
+    def move_all(self, identifiers: Sequence[str], move: BulkMove) -> BulkAnswer:
+        """Ask many sweeps and runs for a move in one request.
+
+        Args:
+            identifiers: ids of sweeps and of runs.
+            move: as for `move`; or "delete", "archive" or "unarchive", for sweeps alone.
+
+        Returns:
+            Which were moved, and why the others were not.
+        """
+        asked = {"move": move, "ids": list(identifiers)}
+        return BulkAnswer.model_validate_json(self._call("POST", "/moves", json=asked).content)
+
+    def delete(self, sweep_id: str) -> DeletionAnswer:
+        """Delete a sweep that has ended, with all that it measured and learned, for good."""
+        answer = self._call("DELETE", f"/sweeps/{sweep_id}").content
+        return DeletionAnswer.model_validate_json(answer)
 
     def measurements(self, run_id: str) -> MeasurementsAnswer:
         """Every measurement of a run, as columns of equal length."""

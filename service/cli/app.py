@@ -17,7 +17,7 @@ from rich.console import Console
 
 from service.cli import paper
 from service.cli.asking import ask
-from service.cli.editing import edit
+from service.cli.editing import edit, rm
 from service.cli.exporting import export, plot, table
 from service.cli.following import watch
 from service.cli.host import db, demo
@@ -41,8 +41,8 @@ app = typer.Typer(
 app.add_typer(db.app)
 app.add_typer(paper.app)
 COMMANDS: tuple[Callable[..., None], ...] = (
-    serve, submit, ask, ls, show, edit, watch, *map(command_of, TRANSITIONS), export, table, plot,
-    rollout, verify, doctor,
+    serve, submit, ask, ls, show, edit, watch, *map(command_of, TRANSITIONS), rm, export, table,
+    plot, rollout, verify, doctor,
 )  # fmt: skip
 for command in COMMANDS:
     app.command()(command)

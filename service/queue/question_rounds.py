@@ -5,10 +5,7 @@ is remembered here: a service that is killed at any moment asks for the same see
 store writes them once (`service/store/claiming/question_batches.py`).
 """
 
-import threading
 from collections.abc import Mapping, Sequence
-
-import structlog
 
 from service.analysis.question.pairs import Pairs, all_pairs
 from service.analysis.question.verdict import wanted
@@ -16,41 +13,27 @@ from service.model.entry import Entries
 from service.model.environment import best_return
 from service.model.question import Question
 from service.model.sweep import Sweep
+from service.queue.rounds import Rounds
 from service.store.claiming.question_batches import Cell
 from service.store.store import Store
-
-log = structlog.get_logger(__name__)
 
 ROUND_SECONDS = 0.5
 
 Batch = Mapping[Cell, Sequence[int]]
 
 
-class QuestionRounds:
-    """Looks twice a second, on a thread of its own. `start` begins, `stop` ends."""
+class QuestionRounds(Rounds):
+    """Looks twice a second."""
 
     def __init__(self, store: Store, seconds: float = ROUND_SECONDS) -> None:
-        """Begin nothing yet; so many seconds pass between two looks."""
+        """Begin nothing yet."""
+        super().__init__("question rounds", seconds)
         self._store = store
-        self._seconds = seconds
-        self._stopping = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="question rounds", daemon=True)
 
-    def start(self) -> None:
-        """Start the thread."""
-        self._thread.start()
-
-    def stop(self) -> None:
-        """Stop after the look that is under way."""
-        self._stopping.set()
-        self._thread.join()
-
-    def _run(self) -> None:
-        while not self._stopping.wait(self._seconds):
-            try:
-                look_at_all(self._store)
-            except Exception:  # the database refuses: tried again
-                log.exception("questions could not be looked at")
+    def work(self) -> bool:
+        """Look at every question whose batch has ended."""
+        look_at_all(self._store)
+        return False
 
 
 def look_at_all(store: Store) -> int:

@@ -160,9 +160,9 @@ class SweepRequest(Request):
                         {"name": "ddpg"},
                         {
                             "name": "hybrid-ddpg",
-                            "weights": [{"w1": 0.1, "w2": 0.1}, {"w1": 0.01, "w2": 0}],
+                            "label": "matched",
+                            "weights": {"w1": [0.1, 0.01], "w2": 0.1},
                         },
-                        {"name": "sac", "label": "soft", "config": {"rate": [0.0003, 0.001]}},
                     ],
                     "environments": ["Pendulum"],
                     "seeds": 16,

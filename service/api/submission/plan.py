@@ -11,7 +11,7 @@ from service.api.submission.grid_faults import zip_faults
 from service.api.submission.memory import memory_faults
 from service.api.submission.question_faults import question_faults, question_notices
 from service.api.submission.same_curve import notices, repetition_faults
-from service.model.entry import Entries, Entry
+from service.model.entry import Entries, Entry, Json
 from service.model.plan import Plan
 from service.model.question import Question
 from workers.messages.run_spec import RunSpec, Weights
@@ -25,8 +25,7 @@ def plan(request: SweepRequest, worker_memory: int) -> Plan:
     fill more than the worker's memory.
     """
     posted = request.model_dump(mode="json", exclude_unset=True)
-    _refuse(list(zip_faults(posted)))
-    _refuse(cap_faults(request, posted))
+    _refuse(_grid_faults(request, posted))
     question = Question.of(posted)
     seeds = range(request.seeds) if isinstance(request.seeds, int) else tuple(request.seeds)
     entries = Entries(posted)
@@ -50,6 +49,22 @@ def plan(request: SweepRequest, worker_memory: int) -> Plan:
         seeds=seeds,
         notices=(*notices(cells), *question_notices(question, entries)),
     )
+
+
+def part_faults(request: SweepRequest) -> list[Fault]:
+    """Return what is wrong with the parts of a sweep, each looked at by itself."""
+    posted = request.model_dump(mode="json", exclude_unset=True)
+    return _grid_faults(request, posted) or [
+        *name_faults(request),
+        *product_faults(request, posted, Entries(posted).all),
+    ]
+
+
+def _grid_faults(request: SweepRequest, posted: Json) -> list[Fault]:
+    """Return why a sweep's grids cannot be expanded, and what else is seen without doing so."""
+    if unlike := list(zip_faults(posted)):
+        return [*unlike, *name_faults(request)]
+    return cap_faults(request, posted)
 
 
 def _refuse(faults: Sequence[Fault]) -> None:

@@ -5,9 +5,9 @@ from dataclasses import replace
 from itertools import product
 
 from service.analysis.question.forecast import MOST_PAIRS, fewest_to_equivalence
+from service.api.nearest import unknown_name
 from service.api.problems import Fault, printable
 from service.api.schemas.sweep_request import MAX_RUNS, MAX_SEED
-from service.api.submission.nearest import unknown_name
 from service.model.entry import Entries
 from service.model.question import Question
 

@@ -96,6 +96,7 @@ def _take(connection: Connection, numbers: Sequence[int], lease_seconds: float) 
             timestep=runs.c.checkpoint_timestep,
             resumed_timestep=None,
             may_have_files=True,
+            may_have_policy=True,
             lease_until=now() + lease_seconds,
             started_at=func.coalesce(runs.c.started_at, now()),
         )

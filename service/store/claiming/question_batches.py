@@ -12,7 +12,7 @@ from sqlalchemy import ColumnElement, Connection, Row, func, insert, select, upd
 
 from service.model.run import ACTIVE, RunStatus
 from service.store.reading import events
-from service.store.tables import runs, sweeps
+from service.store.tables import is_there, runs, sweeps
 
 Cell = tuple[str, int]
 """A task, and the place of an entry."""
@@ -65,6 +65,7 @@ def _waits() -> ColumnElement[bool]:
     return (
         (sweeps.c.question == "open")
         & sweeps.c.cancelled_at.is_(None)
+        & is_there
         & ~select(runs.c.number).where(is_active).exists()
     )
 
