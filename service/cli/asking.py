@@ -8,8 +8,9 @@ from typing import Annotated
 import typer
 
 from service.api.schemas.question.verdict_answer import VerdictAnswer
+from service.cli.algorithm_option import ALGORITHM_TEXT, algorithm_of
 from service.cli.following import follow
-from service.cli.submitting import algorithm_of, say_notices
+from service.cli.submitting import say_notices
 from service.cli.terminal import AsJson, console, print_json, say
 from service.client import Client, SubmissionNotice
 from service.model.entry import Entries
@@ -21,7 +22,7 @@ def ask(
     question: Annotated[
         str,
         typer.Argument(
-            metavar='"A vs B"', help="Learners: NAME or NAME:W1,W2; A may be several: A and C."
+            metavar='"A vs B"', help=f"Learners: {ALGORITHM_TEXT}; A may be several: A and C."
         ),
     ],
     environment: Annotated[
@@ -54,7 +55,11 @@ def ask(
         "seeds": min(batch, max_seeds),
         **({} if timesteps is None else {"timesteps": timesteps}),
     }
-    against, *compare = (entry.label for entry in Entries(request).all)
+    entries = Entries(request).all
+    against, *grid = (entry.label for entry in entries if entry.item == 0)
+    if grid:
+        raise typer.BadParameter(f"{theirs!r} is a grid: compare with one learner")
+    compare = [entry.label for entry in entries if entry.item]
     asked = {
         "compare": compare, "with": against, "score": score, "margin": margin,
         "confidence": confidence, "max_seeds": max_seeds, "batch": batch, "clip": clip,

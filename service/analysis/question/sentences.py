@@ -5,9 +5,12 @@ from collections.abc import Sequence
 from service.analysis.question.decision import Outcome
 from service.analysis.question.forecast import HORIZON
 from service.analysis.question.verdict import Answer, Verdict
-from service.analysis.statistics.score import SCORES
 from service.model.question import Method, Question
 
+SCORES = {
+    "area": "the area under the curve of the normalised return (0 at random, 1 at best)",
+    "final": "the normalised return in the last tenth of training (0 at random, 1 at best)",
+}
 METHODS: dict[Method, str] = {
     "bounded": "betting confidence sequences (Waudby-Smith and Ramdas, JRSS B 2024), which assume "
     "nothing of the differences but their bounds",
@@ -49,13 +52,14 @@ def _undecided(answer: Answer, question: Question) -> str:
 def paper_sentence(verdict: Verdict) -> str:
     """Return method, numbers of seeds, correction and results, ready for a paper."""
     question = verdict.question
-    clip = f", each counted up to {question.clip:g}" if question.clip < 1.0 else ""
+    clip = f", each counted up to {question.clip:g}," if question.clip < 1.0 else ""
     compared = len(verdict.answers)
     comparisons = f"{compared} comparison{'s' * (compared != 1)}"
     return (
-        f"Differences of {_score_text(question)} between runs of equal seed{clip} were followed by "
-        f"{METHODS[question.method]}, looked at after {len(question.first)} seeds and after every "
-        f"{question.batch} more, to at most {question.max_seeds}. Holm's step-down procedure over "
+        f"Runs of equal seed were compared by {_score_text(question)}. The mean of their "
+        f"differences{clip} was followed by {METHODS[question.method]}, looked at after "
+        f"{len(question.first)} seeds and after every {question.batch} more, to at most "
+        f"{question.max_seeds}. Holm's step-down procedure over "
         f"{comparisons} bounds the probability of any wrong decision, at any time, by "
         f"{question.error_rate:.2g}. Runs that diverged count as acting at random. "
         + " ".join(_results(verdict))
@@ -93,11 +97,10 @@ def _result(answer: Answer) -> str:
 def _score_text(question: Question) -> str:
     if question.threshold is not None:
         return (
-            f"processor seconds until the normalised return reaches {question.threshold:g}, as the "
-            "share that is saved,"
+            "the share of processor seconds that one saves until the normalised return reaches "
+            f"{question.threshold:g}"
         )
-    [text] = [kind.text for name, kind in SCORES.items() if name == question.score]
-    return f"{text}, normalised and in [0, 1],"
+    return SCORES[question.score]
 
 
 def _extent(answer: Answer) -> str:

@@ -78,6 +78,14 @@ def test_what_is_no_question_is_refused(d3pg: Command, question: str) -> None:
     assert "is no question" in refused.stderr
 
 
+def test_a_grid_can_be_asked_about_but_not_compared_with(d3pg: Command, service: Client) -> None:
+    refused = d3pg("ask", "sac vs ddpg:noise=0.1,0.2", *ASKED, code=2)
+    assert "is a grid: compare with one learner" in refused.stderr
+    asked = ("ask", "ddpg:noise=0.1,0.2 vs sac", "-e", "Pendulum", "--margin", "1.5")
+    assert "question.margin" in d3pg(*asked, code=1).exception.args[0]  # type: ignore
+    assert list(service.sweeps()) == []
+
+
 def test_the_sides_of_a_question() -> None:
     assert sides_of("a:1,0 and c vs b") == (["a:1,0", "c"], "b")
 

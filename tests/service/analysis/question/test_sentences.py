@@ -73,8 +73,8 @@ def test_a_sentence_for_a_paper_has_method_numbers_and_correction() -> None:
     ("fields", "said"),
     [
         ({"method": "normal"}, "sequential t-tests"),
-        ({"score": "final"}, "the final score"),
-        ({"score": "seconds to 0.9"}, "processor seconds until the normalised return reaches 0.9"),
+        ({"score": "final"}, "in the last tenth of training"),
+        ({"score": "seconds to 0.9"}, "until the normalised return reaches 0.9"),
     ],
 )
 def test_the_paper_hears_of_what_was_assumed(fields: dict[str, Any], said: str) -> None:
