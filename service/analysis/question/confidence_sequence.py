@@ -14,8 +14,8 @@ from service.analysis.curves import Floats
 from service.analysis.question.evidence import log_evidence
 from service.model.question import Method
 
-HALVINGS = 30
-"""The bounds are known to within 2 clip / 2^30."""
+HALVINGS = 20
+"""The bounds are known to within 2 clip / 2^20."""
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ from service.analysis.question.decision import refuted
 from service.analysis.question.pairs import Pairs
 from service.model.question import Question
 
-CONTINUATIONS = 100
-HORIZON = 1000
+CONTINUATIONS = 64
+HORIZON = 512
 """Seeds looked ahead."""
 MIN_PAIRS = 4
 MOST_PAIRS = 10_000

@@ -12,6 +12,7 @@ from service.model.entry import Entries
 from service.model.question import Question
 
 SMALL_CLIP = 0.25
+MAX_LOOKS = 200
 
 
 def question_faults(question: Question | None, entries: Entries) -> Iterator[Fault]:
@@ -25,6 +26,12 @@ def question_faults(question: Question | None, entries: Entries) -> Iterator[Fau
     if question.max_seeds < len(question.first):
         message = f"is below the sweep's own {len(question.first)} seeds: ask for as many at least"
         yield Fault("question.max_seeds", message, len(question.first))
+    if question.looks > MAX_LOOKS:
+        fewest = -(-(question.max_seeds - len(question.first)) // (MAX_LOOKS - 1))
+        message = (
+            f"would be {question.looks} looks, of at most {MAX_LOOKS}: ask for {fewest} or more"
+        )
+        yield Fault("question.batch", message, fewest)
     if max(question.seeds(question.looks)) > MAX_SEED:
         message = f"the seeds that follow {max(question.first)} would be above {MAX_SEED}"
         yield Fault("question.max_seeds", message, MAX_SEED)

@@ -63,7 +63,7 @@ const entries = () => head.sweep?.entries ?? [];
 const scores = new ScoreTable(id, view, entries, () => refreshScores.hurry());
 const statistics = new Statistics(id, view, entries, () => refreshStatistics.hurry());
 const verdict = new Verdict(id, entries);
-const refreshVerdict = new Refresh((signal) => verdict.load(signal), { interval: 2000, onError });
+const refreshVerdict = new Refresh((signal) => verdict.load(signal), { interval: 5000, onError });
 
 const stream = follow(address(`/sweeps/${id}/events`), (kind) => {
   refreshSweep.request();

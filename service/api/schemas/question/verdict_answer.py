@@ -41,7 +41,7 @@ class ForecastAnswer(BaseModel):
     """What more seeds would do, were they like those seen."""
 
     more: int | None = Field(
-        description="Seeds until a decision is as likely as not; null: more than 1,000."
+        description="Seeds until a decision is as likely as not; null: more than 512."
     )
     power: float = Field(description="Probability of a decision within the budget.")
 

@@ -38,7 +38,7 @@ def answer(outcome: Outcome, low: float, high: float, **fields: Any) -> Answer:
         ),
         (
             answer(Outcome.OPEN, -0.03, 0.11, forecast=Forecast(None, 0.0), seeds=128),
-            "not decided (-0.03 to 0.11); 128 seeds; more than 1,000 more would be needed",
+            "not decided (-0.03 to 0.11); 128 seeds; more than 512 more would be needed",
         ),
         (answer(Outcome.OPEN, -0.03, 0.11), "not decided (-0.03 to 0.11); 24 seeds so far"),
         (

@@ -53,6 +53,11 @@ def faults(client: TestClient, sweep: dict[str, Any]) -> dict[str, str]:
         ({"confidence": 1.0}, "question.confidence", "0.9999"),
         ({"max_seeds": 7}, "question.max_seeds", "below the sweep's own 8 seeds"),
         ({"max_seeds": 9_999}, "question.max_seeds", "39,996 runs; it has at most 20,000"),
+        (
+            {"max_seeds": 2000, "batch": 4},
+            "question.batch",
+            "499 looks, of at most 200: ask for 11",
+        ),
         ({"score": "seconds to 2"}, "question.score", '"seconds to X"'),
         ({"score": "best"}, "question.score", '"area", "final"'),
         ({"method": "guess"}, "question.method", "'bounded' or 'normal'"),
