@@ -14,6 +14,7 @@ from service.model.environment import EnvironmentFacts
 from service.queue.checkpoint_removal import CheckpointRemoval
 from service.queue.dispatch import Dispatcher
 from service.queue.disposal import Disposal
+from service.queue.question_rounds import QuestionRounds
 from service.queue.worker_memory import runs_at_once
 from service.settings import Settings
 from service.store.store import Store
@@ -52,6 +53,7 @@ def wired(settings: Settings) -> Iterator[FastAPI]:
             chores = (
                 CheckpointRemoval(store, settings.checkpoint_place, settings.keep_checkpoints),
                 Disposal(store, settings.checkpoint_place, settings.retention),
+                QuestionRounds(store),
             )
             dispatcher.start()
             for each in chores:

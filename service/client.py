@@ -36,6 +36,7 @@ from service.api.schemas.listed_sweep_answer import ListedSweepAnswer
 from service.api.schemas.measurements_answer import MeasurementsAnswer
 from service.api.schemas.number import unsayable
 from service.api.schemas.page import Page
+from service.api.schemas.question.verdict_answer import VerdictAnswer
 from service.api.schemas.readiness_answer import ReadinessAnswer
 from service.api.schemas.rollout_answer import RolloutAnswer
 from service.api.schemas.run_answer import AttemptAnswer, ListedRunAnswer, RunAnswer
@@ -372,6 +373,14 @@ class Client:
         """
         return self._get(StatisticsAnswer, f"/sweeps/{sweep_id}/statistics", **options)
 
+    def verdict(self, sweep_id: str) -> VerdictAnswer:
+        """What a sweep's question has come to: an outcome and a sentence for each comparison.
+
+        Args:
+            sweep_id: a sweep that asks a question.
+        """
+        return self._get(VerdictAnswer, f"/sweeps/{sweep_id}/verdict")
+
     def table_text(self, sweep_id: str, form: TableText, **options: Option) -> str:
         """The table of `table` as text: CSV, Markdown or LaTeX; same options."""
         path, params = f"/sweeps/{sweep_id}/table", {**options, "format": form}
@@ -508,10 +517,8 @@ def path_of(identifier: str) -> str:
 
 
 def has_ended(sweep: SweepHead) -> bool:
-    """Whether every run of the sweep is final."""
-    counts = sweep.runs
-    ended = counts.succeeded + counts.failed + counts.diverged + counts.cancelled
-    return counts.total == ended
+    """Whether every run of the sweep is final, and its question, if it asks one, settled."""
+    return sweep.status in (SweepStatus.FINISHED, SweepStatus.CANCELLED)
 
 
 def problem_text(response: httpx2.Response) -> str:

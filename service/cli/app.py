@@ -17,6 +17,7 @@ from rich.console import Console
 
 from service.cli import paper
 from service.cli.adding import add, extend
+from service.cli.asking import ask
 from service.cli.editing import edit, rm
 from service.cli.exporting import export, plot, table
 from service.cli.following import watch
@@ -42,7 +43,7 @@ app = typer.Typer(
 app.add_typer(db.app)
 app.add_typer(paper.app)
 COMMANDS: tuple[Callable[..., None], ...] = (
-    serve, submit, ls, show, edit, watch, *map(command_of, TRANSITIONS), rm, add, extend,
+    serve, submit, ask, ls, show, edit, watch, *map(command_of, TRANSITIONS), rm, add, extend,
     export, table, plot, rollout, policy, verify, doctor,
 )  # fmt: skip
 for command in COMMANDS:

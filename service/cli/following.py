@@ -13,6 +13,7 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 from rich.text import Text
 
 from service.api.schemas.curves_answer import CurveAnswer
+from service.api.schemas.question.verdict_answer import VerdictAnswer
 from service.api.schemas.run_answer import RunAnswer
 from service.api.schemas.sweep_answer import SweepAnswer, SweepHead
 from service.cli.terminal import AsJson, SweepId, console, plain, print_table, say, table_of
@@ -45,6 +46,8 @@ def follow(client: Client, sweep_id: str, console: Console, *, as_json: bool = F
         typer.echo(f"The sweep goes on. Look again: d3pg watch {sweep_id}", err=True)
         raise
     if not as_json:
+        if ended.request.get("question"):
+            say_verdict(client.verdict(sweep_id), console)
         for run in _unsuccessful(client, ended):
             say(
                 f"{run.id} {run.label} {run.environment} seed {run.seed}: "
@@ -52,6 +55,14 @@ def follow(client: Client, sweep_id: str, console: Console, *, as_json: bool = F
                 console,
             )
     return 1 if ended.runs.failed + ended.runs.diverged else 0
+
+
+def say_verdict(verdict: VerdictAnswer, console: Console = console) -> None:
+    """Print what a question has come to: a line a comparison, and the sentence for a paper."""
+    for each in verdict.comparisons:
+        say(f"{each.environment}: {each.label} vs {each.against}: {each.sentence}", console)
+    if verdict.is_settled:
+        say(verdict.paper, console)
 
 
 def _followed(client: Client, sweep: SweepAnswer, console: Console, as_json: bool) -> SweepAnswer:

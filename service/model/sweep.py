@@ -12,11 +12,11 @@ class SweepStatus(StrEnum):
     QUEUED = "queued"
     """No run has been claimed yet."""
     RUNNING = "running"
-    """Some run is not final."""
+    """Some run is not final, or its question is open."""
     PAUSED = "paused"
     """None of its runs is started; those that are running go on to their end."""
     FINISHED = "finished"
-    """Every run is final."""
+    """Every run is final, and no question is open."""
     CANCELLED = "cancelled"
     """Every run is final, and the sweep was cancelled before they all ended by themselves."""
 
@@ -56,6 +56,7 @@ class Sweep:
     progress     share of the asked timesteps that is done; a run that reached its end counts whole,
                  any other as far as it got
     eta_seconds  time left at the pace since the first claim; None while there is no pace or a pause
+    is_asking    its question is open: runs may still be added
     """
 
     id: str
@@ -68,6 +69,7 @@ class Sweep:
     runs: RunCounts
     progress: float
     eta_seconds: float | None
+    is_asking: bool
     notes: str
     tags: tuple[str, ...]
     archived: bool

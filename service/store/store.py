@@ -32,6 +32,7 @@ from service.store.claiming import (
     deletion,
     endings,
     growth,
+    question_batches,
     run_moves,
     sweep_edits,
     sweep_moves,
@@ -146,6 +147,7 @@ class Store:
 
     create_sweep = _writes(sweeps.create)
     find_sweep = _reads(sweeps.find)
+    get_sweep = _reads(sweeps.get)
     sweep_request = _reads(sweeps.request)
     sweep_version = _reads(sweeps.version)
     list_sweeps = _reads(sweeps.page)
@@ -164,6 +166,8 @@ class Store:
     list_runs = _reads(runs.page)
     move_run = _writes(run_moves.move_run)
     attempts = _reads(runs.history)
+    waiting_questions = _reads(question_batches.waiting)
+    go_on_asking = _writes(question_batches.go_on)
 
     # ---- the queue
 

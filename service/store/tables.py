@@ -63,12 +63,15 @@ sweeps = Table(
     Column("cancelled_at", Double),
     Column("paused_at", Double),
     Column("submission_key", Text, unique=True, index=True),
+    Column("question", Text),  # "open" or "settled"; NULL: it asks none
     Column("notes", Text, nullable=False, default="", server_default=""),
     Column("archived_at", Double),
     Column("deleted_at", Double),  # nobody sees it any more; its rows and files go bit by bit
     Column("max_workers", Integer),
     sqlite_autoincrement=True,
 )
+_open = text("question = 'open'")
+Index("ix_sweeps_open", sweeps.c.number, sqlite_where=_open, postgresql_where=_open)
 
 is_there = sweeps.c.deleted_at.is_(None)
 

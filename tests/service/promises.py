@@ -13,8 +13,10 @@ from sqlalchemy import Engine
 
 from service.model.claim import Claim
 from service.model.move import Move
+from service.model.question import Question
 from service.model.run import FINAL, RunStatus
 from service.model.run_name import RunName
+from service.queue.question_rounds import next_batch
 from service.store.store import Store
 from tests.service.fake_pool import CYCLE, measurement_of
 
@@ -52,6 +54,22 @@ class Promises:
         self.paused: set[str] = set()  # sweeps
         self.cancelled: set[str] = set()
         self.seen_event = 0
+
+    @property
+    def active(self) -> int:
+        """How many runs have not ended."""
+        return sum(model.status not in FINAL for model in self.models.values())
+
+    def add(self, sweep_id: str) -> int:
+        """Take in the runs that a sweep has got; return how many. No cell has a seed twice."""
+        listed = self.store.list_runs(sweep_id, limit=1000)
+        cells = [(run.spec.environment, run.entry, run.spec.seed) for run in listed]
+        assert len(set(cells)) == len(cells)
+        fresh = [run for run in listed if run.id not in self.models]
+        expected = RunStatus.PAUSED if sweep_id in self.paused else RunStatus.QUEUED
+        assert all(run.status == expected for run in fresh)
+        self.models |= {run.id: Model(run.spec.seed, run.status) for run in fresh}
+        return len(fresh)
 
     # ---- which runs a change may touch
 
@@ -144,6 +162,21 @@ class Promises:
             statuses = [self.models[name].status for name in self.of(sweep.id)]
             for status in RunStatus:
                 assert getattr(sweep.runs, status.value) == statuses.count(status)
+
+    def check_questions(self) -> None:
+        """A question that was not cancelled is settled, with whole batches of its seeds alone."""
+        for sweep in self.store.list_sweeps(limit=10_000):
+            question = Question.of(sweep.request)
+            if question is None:
+                continue
+            assert not sweep.is_asking
+            seeds: dict[int, list[int]] = {}
+            for run in self.store.list_runs(sweep.id, limit=1000):
+                seeds.setdefault(run.entry, []).append(run.spec.seed)
+            assert seeds[0] == seeds[1]
+            looks = range(1, question.looks + 1)
+            assert tuple(seeds[0]) in [question.seeds(look) for look in looks]
+            assert next_batch(self.store, sweep.id)[1] == {} or sweep.id in self.cancelled
 
 
 def sweep_of(run_id: str) -> str:

@@ -2,14 +2,24 @@
 
 import random
 from collections.abc import Callable
+from typing import Any
 
 from service.model.move import Move
 from service.model.run import FINAL, RunStatus
 from service.store.refusal import ImpossibleMoveError, NotFoundError
-from tests.service.promises import Model, Promises, sweep_of
+from tests.service.promises import Promises, sweep_of
 from workers.messages.run_spec import RunSpec
 
 MOST_ACTIVE = 12
+QUESTION: dict[str, Any] = {
+    "algorithms": [{"name": "ddpg"}, {"name": "hybrid-ddpg"}],
+    "environments": ["Pendulum"],
+    "seeds": [3, 6],  # of which one diverges
+    "question": {
+        "compare": ["hybrid-ddpg"], "with": "ddpg", "score": "final", "margin": 0.3, "clip": 0.5,
+        "batch": 2, "max_seeds": 10,
+    },
+}  # fmt: skip
 
 
 class SimulatedUsers:
@@ -32,9 +42,24 @@ class SimulatedUsers:
         self.raising = raising
         self.tell = tell
 
+    def ask_question(self) -> bool:
+        """A sweep that is given seeds until its question is answered."""
+        if self.promises.active > MOST_ACTIVE:
+            return False
+        specs = [
+            RunSpec(name, "Pendulum", seed, timesteps=self.promises.timesteps)
+            for name in ("ddpg", "hybrid-ddpg")
+            for seed in QUESTION["seeds"]
+        ]
+        sweep = self.store.create_sweep(
+            "x", 0, QUESTION, specs, entries=[0, 0, 1, 1], environment_versions={"Pendulum": 1}
+        )
+        self.promises.add(sweep.id)
+        return True
+
     def submit(self) -> bool:
         """A small sweep; now and then one whose code raises."""
-        if sum(model.status not in FINAL for model in self.models.values()) > MOST_ACTIVE:
+        if self.promises.active > MOST_ACTIVE:
             return False
         seeds = list(range(self.random.randint(1, 4)))
         seeds += sorted(self.raising) if self.random.random() < 0.2 else []
@@ -44,8 +69,7 @@ class SimulatedUsers:
         sweep = self.store.create_sweep(
             "x", self.random.randint(0, 1), {}, specs, environment_versions={"Pendulum": 1}
         )
-        for ordinal, seed in enumerate(seeds):
-            self.models[f"{sweep.id}-{ordinal}"] = Model(seed)
+        self.promises.add(sweep.id)
         return True
 
     def move_run(self) -> bool:

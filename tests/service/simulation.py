@@ -12,7 +12,6 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from service.model.run import FINAL
 from service.queue.batch import next_together
 from service.queue.dispatch_state import DispatchTimes, State
 from service.queue.messages import (
@@ -38,6 +37,7 @@ from service.queue.messages import (
     Train,
     Waiting,
 )
+from service.queue.question_rounds import Batch, next_batch
 from service.queue.scheduler import step
 from service.store.claiming.retry import RetryPolicy
 from service.store.store import Store
@@ -123,6 +123,7 @@ class Simulation:
         self.in_hand: list[tuple[SimulatedWorker, Report]] = []
         self.delivered: deque[Report] = deque(maxlen=50)
         self.story: deque[str] = deque(maxlen=40)
+        self.looks: deque[tuple[str, int, Batch]] = deque(maxlen=5)
         self.users = SimulatedUsers(self.promises, self.random, RAISING, self.tell)
 
     def close(self) -> None:
@@ -137,6 +138,8 @@ class Simulation:
             (self.carry_out, 80),
             (self.tick, 10),
             (self.users.submit, 4),
+            (self.users.ask_question, 1),
+            (self.look, 4),
             (self.beat, 4),
             (self.users.move_run, 2),
             (self.users.cancel_sweep, 0.4),
@@ -173,7 +176,7 @@ class Simulation:
             simulated.worker.is_frozen = simulated.worker.is_deaf = False
         self.users.resume_all()
         deadline = self.now + 400.0
-        while any(model.status not in FINAL for model in self.models.values()):
+        while self.promises.active or self.store.waiting_questions():
             assert self.now < deadline, f"not done: {self.models}"
             self.steps += 1
             for name in list(self.workers):
@@ -184,7 +187,9 @@ class Simulation:
             self.finish_commands()
             self.tick()
             self.finish_commands()
+            self.look()
         self.promises.check_counts()
+        self.promises.check_questions()
         for name in self.models:
             self.promises.check_curve(name)
 
@@ -297,6 +302,29 @@ class Simulation:
             case StartPool():
                 return self.start_pool()
         return None
+
+    def look(self) -> bool:
+        """Look at a question whose batch has ended; killed at any moment, it looks again.
+
+        It is killed before it writes, or after: then it writes the same once more. Or it was held
+        up, and writes later.
+        """
+        waiting = self.store.waiting_questions()
+        if waiting:
+            sweep_id = self.random.choice(waiting)
+            self.looks.append((sweep_id, *next_batch(self.store, sweep_id)))
+        if not self.looks or self.random.random() < 0.3:
+            return bool(waiting)
+        sweep_id, seen, batch = self.random.choice(self.looks)
+        is_current = sweep_id in waiting and next_batch(self.store, sweep_id) == (seen, batch)
+        have = {(run.spec.environment, run.entry, run.spec.seed)
+                for run in self.store.list_runs(sweep_id, limit=1000)}  # fmt: skip
+        missing = {(*cell, seed) for cell, seeds in batch.items() for seed in seeds} - have
+        added = self.store.go_on_asking(sweep_id, seen, batch)
+        assert added == (len(missing) if is_current else 0)
+        assert self.promises.add(sweep_id) == added
+        self.tell(f"sweep {sweep_id} had {seen} runs: {added} were added")
+        return True
 
     def start_pool(self) -> PoolLost | None:
         if self.cluster_is_gone:

@@ -30,6 +30,8 @@ declare namespace Api {
   type Request = Partial<Schemas["SweepRequest"]>;
   /** What is asked for of one algorithm. */
   type AlgorithmRequest = Schemas["AlgorithmRequest"];
+  type Verdict = Schemas["VerdictAnswer"];
+  type Comparison = Schemas["ComparisonAnswer"];
   type Weights = Schemas["Weights"];
 
   /** The segments of an address or of a path's template. */

@@ -6,13 +6,23 @@
     P(X > Y)    mean over tasks of the share of pairs (x, y) with x > y, a tie counting half:
                 over all pairs of runs (the Mann-Whitney statistic), or over those of equal seed
 
+The interval of P(X > Y) is the bootstrap's, unless no resample differs from the others, as where
+every pair is won: then the bootstrap says nothing, however few the pairs are, and the interval is
+Wilson's (1927) for a share p of N pairs, z the 97.5 % quantile of the normal distribution:
+
+    (p + z^2 / 2N -+ z sqrt(p (1 - p) / N + z^2 / 4N^2)) / (1 + z^2 / N)
+
+    N   T^2 / sum_t 1/n_t, with n_t the pairs of task t of T, or its runs of the one that has fewer
+
 Scores of one algorithm are a list of tasks, in it the finite scores of its runs [n], n >= 1.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import ndtri
 
 from service.analysis.curves import Floats
 from service.analysis.statistics.stratified_bootstrap import (
@@ -24,6 +34,7 @@ from service.analysis.statistics.stratified_bootstrap import (
 )
 
 TRIMMED = 0.25  # at either end
+SAME = 1e-12  # shares that differ by rounding alone
 
 Scores = Sequence[Floats]
 Seeds = Sequence[tuple[int, ...]]
@@ -76,7 +87,8 @@ def probability_of_improvement(x: Scores, y: Scores, x_seeds: Seeds, y_seeds: Se
         their_counts = draw_counts(len(theirs), task if is_paired else task + len(x))
         value += wins.mean() / len(x)
         resampled += ((our_counts @ wins) * their_counts).sum(axis=1) / wins.size / len(x)
-    return estimate(value, resampled, is_defined=_has_spread(x) and _has_spread(y))
+    runs = [min(len(ours), len(theirs)) for ours, theirs in zip(x, y, strict=True)]
+    return _share(value, resampled, runs)
 
 
 def paired_probability_of_improvement(
@@ -94,7 +106,19 @@ def paired_probability_of_improvement(
         axis=0,
     )
     value = float(np.mean([task.mean() for task in wins]))
-    return estimate(value, resampled, is_defined=_has_spread(wins))
+    return _share(value, resampled, [len(task) for task in wins])
+
+
+def _share(value: float, resampled: Floats, counts: Sequence[int]) -> Estimate:
+    """Return a share with its interval, of so many pairs in each task."""
+    if np.ptp(resampled) > SAME or min(counts) < 2:
+        return estimate(value, resampled, is_defined=min(counts) > 1)
+    pairs = len(counts) ** 2 / sum(1 / n for n in counts)
+    z2 = float(ndtri(TAILS[1])) ** 2
+    middle = value + z2 / (2 * pairs)
+    reach = math.sqrt(z2 * (value * (1 - value) / pairs + z2 / (4 * pairs**2)))
+    low, high = ((middle + side * reach) / (1 + z2 / pairs) for side in (-1, 1))
+    return Estimate(value, low, high)
 
 
 def _middle_means(counts: Floats, ascending: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""What the runs of a sweep have reached, as a table, and the statistics behind it."""
+"""What the runs of a sweep have reached: the table, the statistics, the verdict on its question."""
 
 from collections.abc import Sequence
 from typing import Annotated, Literal
@@ -7,6 +7,7 @@ from fastapi import APIRouter, Query, Request, Response
 from pydantic import BaseModel, ConfigDict, Field
 
 from service.analysis.comparison import grouped
+from service.analysis.question.verdict import verdict
 from service.analysis.statistics.paired_difference import paired_differences
 from service.analysis.statistics.score import SCORES, Score
 from service.analysis.statistics.score_table import ScoreTable, score_table
@@ -15,13 +16,16 @@ from service.analysis.statistics.scores import CellScores, sweep_scores
 from service.analysis.statistics.sweep_statistics import sweep_statistics
 from service.api.context import TheStore, TheSweep
 from service.api.negotiation import asked_form
-from service.api.problems import Fault, InvalidRequest
+from service.api.problems import Fault, InvalidRequest, NotFound
 from service.api.revalidation import RevalidatedRoute
+from service.api.schemas.question.verdict_answer import VerdictAnswer
 from service.api.schemas.score_table_answer import ScoreTableAnswer, score_table_csv
 from service.api.schemas.statistics_answer import StatisticsAnswer
 from service.model.entry import Entries
 from service.model.environment import best_return
+from service.model.question import Question
 from service.model.sweep import Sweep
+from service.queue.question_rounds import pairs_of
 from service.store.store import Store
 
 router = APIRouter(prefix="/sweeps/{sweep_id}", tags=["curves"], route_class=RevalidatedRoute)
@@ -102,6 +106,16 @@ def get_statistics(
         best_return,
     )
     return StatisticsAnswer.of(sweep.id, query.score, sweep_statistics(cells), differences)
+
+
+@router.get("/verdict")
+def get_verdict(sweep: TheSweep, store: TheStore) -> VerdictAnswer:
+    """Answer what is decided of the sweep's question, how, and how many more seeds it may take."""
+    question = Question.of(sweep.request)
+    if question is None:
+        raise NotFound(f"Sweep {sweep.id} asks no question: submit one with `question`.")
+    found = verdict(pairs_of(store, sweep, question), question)
+    return VerdictAnswer.of(sweep.id, found, is_settled=not sweep.is_asking)
 
 
 def _scores(store: Store, sweep: Sweep, score: Score, *, normalized: bool) -> list[CellScores]:

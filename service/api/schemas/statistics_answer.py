@@ -29,7 +29,9 @@ IQM_TEXT = (
 IMPROVEMENT_TEXT = (
     "Probability that a run of x beats a run of y in a task, a tie counting half, mean over the "
     "common tasks: over all pairs of runs (Mann-Whitney), and over the pairs of equal seed. It "
-    f"says how often, not by how much. {INTERVAL_TEXT} Equal seeds are drawn together."
+    f"says how often, not by how much. {INTERVAL_TEXT} Equal seeds are drawn together. Where all "
+    "resamples are equal, as where every pair is won, Wilson's interval for a share of that many "
+    "pairs."
 )
 PROFILE_TEXT = (
     "Performance profile: share of the runs whose score exceeds the threshold, mean over the "

@@ -16,6 +16,7 @@ from pydantic import (
 
 from algorithms.presets import SMALLEST_WEIGHT
 from physics.parameter import label, relabelled
+from service.api.schemas.question.question_request import QuestionRequest
 from service.api.schemas.sweep_edit import (
     MAX_WORKERS_TEXT,
     NAME_TEXT,
@@ -236,7 +237,23 @@ class SweepRequest(Request):
                     "environments": ["Pendulum"],
                     "seeds": 16,
                     "timesteps": 20_000,
-                }
+                },
+                {
+                    "name": "does it help?",
+                    "algorithms": [{"name": "ddpg"}, {"name": "hybrid-ddpg"}],
+                    "environments": ["Pendulum", "CartPole"],
+                    "seeds": 8,
+                    "question": {
+                        "compare": ["hybrid-ddpg"],
+                        "with": "ddpg",
+                        "score": "area",
+                        "until": "decided",
+                        "margin": 0.02,
+                        "confidence": 0.95,
+                        "max_seeds": 128,
+                        "batch": 8,
+                    },
+                },
             ]
         }
     )
@@ -269,3 +286,7 @@ class SweepRequest(Request):
     )
     priority: Priority = Field(default=0, description=PRIORITY_TEXT)
     max_workers: MaxWorkers | None = Field(default=None, description=MAX_WORKERS_TEXT)
+    question: QuestionRequest | None = Field(
+        default=None,
+        description="What the sweep is to find out: the service adds seeds until it is decided.",
+    )

@@ -9,9 +9,11 @@ from service.api.schemas.sweep_request import SweepRequest
 from service.api.submission.check import cap_faults, label_faults, name_faults, product_faults
 from service.api.submission.grid_faults import zip_faults
 from service.api.submission.memory import memory_faults
+from service.api.submission.question_faults import question_faults, question_notices
 from service.api.submission.same_curve import notices, repetition_faults
 from service.model.entry import Entries, Entry, Json
 from service.model.plan import Plan
+from service.model.question import Question
 from workers.messages.run_spec import RunSpec, Weights
 
 
@@ -24,6 +26,7 @@ def plan(request: SweepRequest, worker_memory: int) -> Plan:
     """
     posted = request.model_dump(mode="json", exclude_unset=True)
     _refuse(_grid_faults(request, posted))
+    question = Question.of(posted)
     seeds = range(request.seeds) if isinstance(request.seeds, int) else tuple(request.seeds)
     entries = Entries(posted)
     cells = [
@@ -36,6 +39,7 @@ def plan(request: SweepRequest, worker_memory: int) -> Plan:
             *product_faults(request, posted, entries.all),
             *repetition_faults(cells),
             *label_faults(request, entries.all),
+            *question_faults(question, entries),
         ]
     )
     _refuse(list(memory_faults(cells, worker_memory)))
@@ -43,7 +47,7 @@ def plan(request: SweepRequest, worker_memory: int) -> Plan:
         cells=tuple(spec for _, spec in cells),
         entries=tuple(entry for entry, _ in cells),
         seeds=seeds,
-        notices=tuple(notices(cells)),
+        notices=(*notices(cells), *question_notices(question, entries)),
     )
 
 

@@ -16,7 +16,7 @@ from algorithms.measurement import MEASURE_EVERY
 from service.model.growth import with_seeds, with_timesteps
 from service.model.run import RunStatus
 from service.model.sweep import Sweep, SweepStatus
-from service.store.claiming.moves import AGAIN, change
+from service.store.claiming.moves import AGAIN, change, reopen_questions
 from service.store.reading import events, sweep_names
 from service.store.reading.runs import columns_of, spec_of
 from service.store.reading.sweeps import get, named
@@ -111,7 +111,8 @@ def extend(
     connection.execute(delete(measurements).where(measurements.c.run_number.in_(numbers), off_grid))
     connection.execute(update(runs).where(of_sweep).values(timesteps=timesteps))
     again = {"score": None, "kept_bytes": None, **AGAIN, **_waiting(row, "more timesteps")}
-    change(connection, of_sweep & (runs.c.status == RunStatus.SUCCEEDED), again)
+    moved = change(connection, of_sweep & (runs.c.status == RunStatus.SUCCEEDED), again)
+    reopen_questions(connection, moved)
     return _grown(connection, row, with_timesteps(seen, timesteps), "extended")
 
 

@@ -1,6 +1,6 @@
 """Moving runs from one status to another, with their events."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from sqlalchemy import ColumnElement, Connection, select, update
@@ -41,13 +41,28 @@ def move(
     values: dict[str, Any] = {"status": target, "reason": reason}
     if target.is_final:
         values["finished_at"] = now()
-    if transition.sources & FINAL:
+    is_again = bool(transition.sources & FINAL)
+    if is_again:
         values |= AGAIN
-    change(connection, condition & runs.c.status.in_(transition.sources), values)
+    moved = change(connection, condition & runs.c.status.in_(transition.sources), values)
+    if is_again:
+        reopen_questions(connection, moved)
 
 
-def change(connection: Connection, condition: ColumnElement[bool], values: dict[str, Any]) -> None:
-    """Write new values of runs, their status and reason among them, with the events."""
+def reopen_questions(connection: Connection, sweep_numbers: Collection[int]) -> None:
+    """Ask the questions of sweeps again: what answered them may change."""
+    asking = sweeps.c.number.in_(sweep_numbers) & sweeps.c.question.is_not(None)
+    connection.execute(update(sweeps).where(asking).values(question="open"))
+
+
+def change(
+    connection: Connection, condition: ColumnElement[bool], values: dict[str, Any]
+) -> set[int]:
+    """Write new values of runs, their status and reason among them, with the events.
+
+    Returns:
+        The numbers of their sweeps.
+    """
     moved = connection.execute(
         update(runs)
         .where(condition)
@@ -71,3 +86,4 @@ def change(connection: Connection, condition: ColumnElement[bool], values: dict[
             for row in sorted(moved, key=lambda row: row.ordinal)
         ],
     )
+    return set(names)

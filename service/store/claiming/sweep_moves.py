@@ -43,6 +43,8 @@ def _refusal(sweep: Sweep, row: Row[Any], asked: Move) -> str | None:
         return f"sweep {sweep.id} was cancelled: uncancel it, or submit it again"
     if sweep.runs.active or _at_sources(sweep, asked):
         return None
+    if sweep.is_asking and asked != "retry":  # between two batches
+        return None
     ended = "was cancelled" if sweep.status is SweepStatus.CANCELLED else "has finished"
     return f"sweep {sweep.id} {ended}: {TRANSITIONS[asked].none_left}"
 

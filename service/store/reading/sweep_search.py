@@ -66,10 +66,13 @@ def _mentions(text: str) -> ColumnElement[bool]:
 
 def _stands(status: SweepStatus) -> ColumnElement[bool]:
     """Return the condition of a status, which follows from those of the runs."""
-    is_active = or_(*(_some(each) for each in ACTIVE))
+    is_open = func.coalesce(sweeps.c.question, "") == "open"
+    is_asking = and_(is_open, sweeps.c.cancelled_at.is_(None))
+    is_active = or_(is_asking, *(_some(each) for each in ACTIVE))
     others = or_(_some(RunStatus.QUEUED), _some(RunStatus.RUNNING))
-    is_paused = and_(is_active, or_(sweeps.c.paused_at.is_not(None), not_(others)))
-    was_cut = and_(sweeps.c.cancelled_at.is_not(None), _some(RunStatus.CANCELLED))
+    is_left = and_(_some(RunStatus.PAUSED), not_(others))
+    is_paused = and_(is_active, or_(sweeps.c.paused_at.is_not(None), is_left))
+    was_cut = and_(sweeps.c.cancelled_at.is_not(None), or_(_some(RunStatus.CANCELLED), is_open))
     has_begun = exists().where(
         runs.c.sweep_number == sweeps.c.number, runs.c.started_at.is_not(None)
     )

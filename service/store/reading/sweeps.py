@@ -61,6 +61,7 @@ def create(
         priority=priority,
         request=request,
         submission_key=submission_key,
+        question="open" if request.get("question") else None,
         notes=notes,
         max_workers=max_workers,
     )
@@ -192,14 +193,16 @@ def _summaries(condition: ColumnElement[bool]) -> Select[Any]:
 def _sweep(row: Row[Any], tags: Mapping[int, Sequence[str]]) -> Sweep:
     counts = RunCounts(**{status.value: getattr(row, status.value) for status in RunStatus})
     eta = None
+    is_asking = row.question == "open" and row.cancelled_at is None
     if counts.active == 0:
-        eta = 0.0
+        eta = None if is_asking else 0.0
     elif row.started_at is not None and row.done > 0 and counts.paused == 0:
         eta = (row.clock - row.started_at) * float(row.left) / float(row.done)
     return noun_of(
         Sweep,
         row,
-        status=_status(counts, row),
+        status=_status(counts, row, is_asking=is_asking),
+        is_asking=is_asking,
         runs=counts,
         progress=float(row.done) / float(row.asked),
         eta_seconds=eta,
@@ -208,10 +211,10 @@ def _sweep(row: Row[Any], tags: Mapping[int, Sequence[str]]) -> Sweep:
     )
 
 
-def _status(counts: RunCounts, row: Row[Any]) -> SweepStatus:
-    if counts.active == 0:
-        was_cut = row.cancelled_at is not None and counts.cancelled > 0
+def _status(counts: RunCounts, row: Row[Any], *, is_asking: bool) -> SweepStatus:
+    if counts.active == 0 and not is_asking:
+        was_cut = row.cancelled_at is not None and (counts.cancelled > 0 or row.question == "open")
         return SweepStatus.CANCELLED if was_cut else SweepStatus.FINISHED
-    if row.paused_at is not None or counts.paused == counts.active:
+    if row.paused_at is not None or 0 < counts.paused == counts.active:
         return SweepStatus.PAUSED
     return SweepStatus.QUEUED if row.started_at is None else SweepStatus.RUNNING

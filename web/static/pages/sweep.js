@@ -16,6 +16,7 @@ import { SweepHead } from "../sweep/head.js";
 import { PaperFigures } from "../sweep/paper_figures.js";
 import { ScoreTable } from "../sweep/scores.js";
 import { Statistics } from "../sweep/statistics.js";
+import { Verdict } from "../sweep/verdict.js";
 
 /** @import { Shown } from "../charts/panel.js" */
 
@@ -61,9 +62,12 @@ const figures = new PaperFigures(view);
 const entries = () => head.sweep?.entries ?? [];
 const scores = new ScoreTable(id, view, entries, () => refreshScores.hurry());
 const statistics = new Statistics(id, view, entries, () => refreshStatistics.hurry());
+const verdict = new Verdict(id, entries);
+const refreshVerdict = new Refresh((signal) => verdict.load(signal), { interval: 5000, onError });
 
 const stream = follow(address(`/sweeps/${id}/events`), (kind) => {
   refreshSweep.request();
+  requestVerdict();
   if (kind === "run") return;
   refreshCurves.request();
   requestRest();
@@ -85,8 +89,14 @@ async function loadSweep(signal) {
   await head.load(signal);
   if (!isFirst || head.sweep === null) return;
   draw();
+  requestVerdict();
   requestRest();
   figures.show(head.sweep.links);
+}
+
+/** What the sweep is asked, if it is. */
+function requestVerdict() {
+  if (head.sweep?.request.question) refreshVerdict.request();
 }
 
 /** What lies below the curves, and waits for them: the service would answer all at once, slower. */
@@ -173,4 +183,5 @@ async function copyLink() {
 function hideAll() {
   stream.close();
   at("curves").hidden = at("scores").hidden = at("statistics").hidden = true;
+  at("verdict").hidden = true;
 }

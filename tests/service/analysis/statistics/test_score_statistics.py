@@ -104,8 +104,31 @@ def test_pairing_narrows_the_interval_of_equal_runs() -> None:
     x = y + 0.01
     paired = paired_probability_of_improvement([x], [y], seeds(16), seeds(16))
     assert paired is not None
-    assert (paired.value, paired.low, paired.high) == (1.0, 1.0, 1.0)
+    assert (paired.value, paired.high) == pytest.approx((1.0, 1.0))
     assert probability_of_improvement([x], [y], seeds(16), seeds(16)).value < 0.6
+
+
+@pytest.mark.parametrize("n", [2, 3, 16])
+@pytest.mark.parametrize("tasks", [1, 3])
+def test_pairs_that_are_all_won_leave_doubt(n: int, tasks: int) -> None:
+    """As much as Wilson's interval of so many pairs has, whoever is named first."""
+    x, y = arrays(*[[2.0] * n] * tasks), arrays(*[[1.0] * n] * tasks)
+    both = [seeds(*[n] * tasks)] * 2
+    expected = stats.binomtest(n * tasks, n * tasks).proportion_ci(method="wilson")
+    for found in (
+        probability_of_improvement(x, y, *both), paired_probability_of_improvement(x, y, *both)
+    ):  # fmt: skip
+        assert found is not None
+        assert (found.value, found.low, found.high) == pytest.approx((1.0, *expected))
+    lost = probability_of_improvement(y, x, *both)
+    assert (lost.low, lost.high) == pytest.approx((0.0, 1 - expected.low), abs=1e-12)
+
+
+def test_fewer_pairs_in_one_task_leave_more_doubt() -> None:
+    x, y = arrays([2.0] * 16, [2.0] * 2), arrays([1.0] * 16, [1.0] * 2)
+    found = probability_of_improvement(x, y, seeds(16, 2), seeds(16, 2))
+    effective = 4 / (1 / 16 + 1 / 2)
+    assert found.low == pytest.approx(effective / (effective + stats.norm.ppf(0.975) ** 2))
 
 
 def test_profile_by_hand() -> None:

@@ -1,0 +1,1 @@
+"""Questions: whether entries of a sweep differ, answered by looks at any time."""

@@ -1,0 +1,69 @@
+"""The rounds of questions: after each batch, the next one, until the question is answered.
+
+The next batch is a pure function of the runs that have ended (`service/analysis/question`). Nothing
+is remembered here: a service that is killed at any moment asks for the same seeds again, and the
+store writes them once (`service/store/claiming/question_batches.py`).
+"""
+
+from collections.abc import Mapping, Sequence
+
+from service.analysis.question.pairs import Pairs, all_pairs
+from service.analysis.question.verdict import wanted
+from service.model.entry import Entries
+from service.model.environment import best_return
+from service.model.question import Question
+from service.model.sweep import Sweep
+from service.queue.rounds import Rounds
+from service.store.claiming.question_batches import Cell
+from service.store.store import Store
+
+ROUND_SECONDS = 0.5
+
+Batch = Mapping[Cell, Sequence[int]]
+
+
+class QuestionRounds(Rounds):
+    """Looks twice a second."""
+
+    def __init__(self, store: Store, seconds: float = ROUND_SECONDS) -> None:
+        """Begin nothing yet."""
+        super().__init__("question rounds", seconds)
+        self._store = store
+
+    def work(self) -> bool:
+        """Look at every question whose batch has ended."""
+        look_at_all(self._store)
+        return False
+
+
+def look_at_all(store: Store) -> int:
+    """Look at every question whose batch has ended; return how many runs were added."""
+    return sum(look(store, sweep_id) for sweep_id in store.waiting_questions())
+
+
+def look(store: Store, sweep_id: str) -> int:
+    """Ask for a question's next batch, or settle it; return how many runs were added."""
+    return store.go_on_asking(sweep_id, *next_batch(store, sweep_id))
+
+
+def next_batch(store: Store, sweep_id: str) -> tuple[int, Batch]:
+    """Return how many runs the sweep has now, and the seeds that its cells are to have."""
+    sweep = store.get_sweep(sweep_id)
+    question, entries = Question.of(sweep.request), Entries(sweep.request)
+    if question is None:
+        return sweep.runs.total, {}
+    places = {entry.label: entry.place for entry in entries.all}
+    batch = {
+        (environment, places[label]): seeds
+        for (environment, label), seeds in wanted(
+            pairs_of(store, sweep, question), question
+        ).items()
+    }
+    return sweep.runs.total, batch
+
+
+def pairs_of(store: Store, sweep: Sweep, question: Question) -> list[Pairs]:
+    """Return the pairs of a sweep's comparisons, as its runs stand."""
+    x = "timesteps" if question.threshold is None else "seconds"
+    curves = store.curve_points(sweep.id, "return_mean", x)
+    return all_pairs(curves, Entries(sweep.request), question, store.random_returns(), best_return)

@@ -1,0 +1,99 @@
+"""A question's batches: the seeds that a sweep is given until its question is answered.
+
+Whoever asks for a batch has seen all runs of the sweep ended, and how many there were. The batch is
+written, or the question settled, only if that is still so. Asked again after it happened, nothing
+happens: no seed is in a cell twice, and no batch is written of what was seen before another one.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from sqlalchemy import ColumnElement, Connection, Row, func, insert, select, update
+
+from service.model.run import ACTIVE, RunStatus
+from service.store.reading import events
+from service.store.tables import is_there, runs, sweeps
+
+Cell = tuple[str, int]
+"""A task, and the place of an entry."""
+
+COPIED = (
+    "sweep_number", "cell", "entry", "algorithm", "environment", "environment_version", "w1", "w2",
+    "config", "timesteps",
+)  # fmt: skip
+"""What the runs of a cell share."""
+
+
+def waiting(connection: Connection) -> list[str]:
+    """Return the sweeps whose question is open and whose runs have all ended."""
+    query = select(sweeps.c.id).where(_waits()).order_by(sweeps.c.number)
+    return list(connection.scalars(query))
+
+
+def go_on(
+    connection: Connection, sweep_id: str, seen: int, batch: Mapping[Cell, Sequence[int]]
+) -> int:
+    """Write the runs of a batch that are not there yet, or settle the question where none is.
+
+    Args:
+        connection: of the writer.
+        sweep_id: the sweep.
+        seen: how many runs it had when the batch was decided on.
+        batch: the seeds that cells are to have, those before too.
+
+    Returns:
+        The number of runs that were added.
+    """
+    query = select(sweeps).where(_waits(), sweeps.c.id == sweep_id)
+    sweep = connection.execute(query).one_or_none()
+    own = runs.c.sweep_number == (-1 if sweep is None else sweep.number)
+    if sweep is None or connection.scalar(select(func.count()).where(own)) != seen:
+        return 0
+    added = _rows(connection, own, sweep, batch)
+    if added:
+        connection.execute(insert(runs), added)
+    else:
+        settled = update(sweeps).where(sweeps.c.number == sweep.number)
+        connection.execute(settled.values(question="settled"))
+    change = "extended" if added else "answered"
+    events.append(connection, [events.sweep_changed(sweep.number, sweep.id, change)])
+    return len(added)
+
+
+def _waits() -> ColumnElement[bool]:
+    is_active = (runs.c.sweep_number == sweeps.c.number) & runs.c.status.in_(ACTIVE)
+    return (
+        (sweeps.c.question == "open")
+        & sweeps.c.cancelled_at.is_(None)
+        & is_there
+        & ~select(runs.c.number).where(is_active).exists()
+    )
+
+
+def _rows(
+    connection: Connection,
+    own: ColumnElement[bool],
+    sweep: Row[Any],
+    batch: Mapping[Cell, Sequence[int]],
+) -> list[dict[str, Any]]:
+    """Return the missing runs as rows, numbered after those that are there."""
+    there = connection.execute(select(runs).where(own).order_by(runs.c.ordinal)).all()
+    first = {(row.environment, row.entry): row for row in reversed(there)}
+    known = {(row.environment, row.entry, row.seed) for row in there}
+    status = RunStatus.QUEUED if sweep.paused_at is None else RunStatus.PAUSED
+    missing = [
+        (first[cell], seed)
+        for cell, seeds in batch.items()
+        for seed in seeds
+        if (*cell, seed) not in known
+    ]
+    return [
+        {
+            **{name: getattr(row, name) for name in COPIED},
+            "ordinal": there[-1].ordinal + 1 + place,
+            "seed": seed,
+            "status": status,
+            "reason": "" if status is RunStatus.QUEUED else "its sweep is paused",
+        }
+        for place, (row, seed) in enumerate(missing)
+    ]

@@ -1,0 +1,111 @@
+"""`d3pg ask`: the question that it posts, the answer that it prints, its exit code."""
+
+import threading
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from service.api.schemas.question.verdict_answer import VerdictAnswer
+from service.cli.asking import NO, UNDECIDED, YES, exit_code, sides_of
+from service.client import Client
+from service.queue.question_rounds import look_at_all
+from service.store.store import Store
+from tests.service.cli.conftest import Command, as_json
+from tests.service.training import RANDOM, random_return, train
+from workers.messages.run_spec import RunSpec
+
+ASKED = ("-e", "Pendulum", "--clip", "0.25", "--timesteps", "800")
+
+
+def gain(spec: RunSpec, _: int) -> float:
+    """hybrid-ddpg is better by 0.2, td3 worse by as much."""
+    gains = {"hybrid-ddpg": 0.2, "td3": -0.2}
+    return RANDOM * (0.5 - gains.get(spec.algorithm, 0.0))
+
+
+@pytest.fixture
+def _trained(store: Store) -> Iterator[None]:
+    """Workers, and the rounds of questions."""
+    store.record_random_return(random_return("Pendulum", RANDOM))
+    is_over = threading.Event()
+
+    def work() -> None:
+        while not is_over.wait(0.01):
+            train(store, 1, gain)
+            look_at_all(store)
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    yield
+    is_over.set()
+    thread.join()
+
+
+@pytest.mark.usefixtures("_trained")
+def test_it_waits_for_the_answer_and_exits_by_it(d3pg: Command, service: Client) -> None:
+    said = d3pg("ask", "hybrid-ddpg vs ddpg", *ASKED).stdout
+    assert "Note: The question adds seeds until it is decided: the 16 runs may become 256." in said
+    assert "Pendulum: hybrid-ddpg vs ddpg: better by 0." in said
+    assert "Waudby-Smith and Ramdas" in said
+    [sweep] = service.sweeps()
+    assert sweep.name == "hybrid-ddpg vs ddpg"
+    shown = d3pg("show", sweep.id).stdout
+    assert "Pendulum: hybrid-ddpg vs ddpg: better by 0." in shown
+
+
+@pytest.mark.usefixtures("_trained")
+def test_no_and_not_decided_have_codes_of_their_own(d3pg: Command) -> None:
+    answer = as_json(d3pg("ask", "hybrid-ddpg and td3 vs ddpg", *ASKED, "--json", code=NO))
+    assert {each["label"]: each["outcome"] for each in answer["comparisons"]} == {
+        "hybrid-ddpg": "better",
+        "td3": "worse",
+    }
+    d3pg("ask", "sac vs ddpg", *ASKED, "--max-seeds", "8", "--json", code=UNDECIDED)
+
+
+@pytest.mark.usefixtures("_trained")
+def test_weights_tell_entries_apart(d3pg: Command) -> None:
+    question = "hybrid-ddpg:1,0 vs hybrid-ddpg:0.1,0"
+    answer = as_json(d3pg("ask", question, *ASKED, "--max-seeds", "8", "--json", code=UNDECIDED))
+    [only] = answer["comparisons"]
+    assert (only["label"], only["against"]) == ("hybrid-ddpg w1=1", "hybrid-ddpg w1=0.1")
+
+
+@pytest.mark.parametrize("question", ["ddpg", "vs ddpg", "a vs b vs c", "a vs ", "a and  vs b"])
+def test_what_is_no_question_is_refused(d3pg: Command, question: str) -> None:
+    refused = d3pg("ask", question, *ASKED, code=2)
+    assert "is no question" in refused.stderr
+
+
+def test_a_grid_can_be_asked_about_but_not_compared_with(d3pg: Command, service: Client) -> None:
+    refused = d3pg("ask", "sac vs ddpg:noise=0.1,0.2", *ASKED, code=2)
+    assert "is a grid: compare with one learner" in refused.stderr
+    asked = ("ask", "ddpg:noise=0.1,0.2 vs sac", "-e", "Pendulum", "--margin", "1.5")
+    assert "question.margin" in d3pg(*asked, code=1).exception.args[0]  # type: ignore
+    assert list(service.sweeps()) == []
+
+
+def test_the_sides_of_a_question() -> None:
+    assert sides_of("a:1,0 and c vs b") == (["a:1,0", "c"], "b")
+
+
+@pytest.mark.parametrize(
+    ("outcomes", "code"),
+    [
+        (["better", "equivalent"], YES),
+        (["equivalent"], NO),
+        (["better", "worse"], NO),
+        (["worse", "undecided"], NO),
+        (["better", "undecided"], UNDECIDED),
+        (["better", "stalled"], UNDECIDED),
+        ([], UNDECIDED),
+    ],
+)
+def test_the_code_follows_from_the_outcomes(outcomes: list[Any], code: int) -> None:
+    (example,) = VerdictAnswer.model_config["json_schema_extra"]["examples"]  # type: ignore
+    document: Any = example
+    [one] = document["comparisons"]
+    comparisons = [{**one, "outcome": outcome} for outcome in outcomes]
+    verdict = VerdictAnswer.model_validate({**document, "comparisons": comparisons})
+    assert exit_code(verdict) == code
