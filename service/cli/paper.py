@@ -168,7 +168,7 @@ def wanted(
 
     Others are whole in the folder, and the service, which may be a new one, does not have them.
     """
-    held = [sweep.request for sweep in client.sweeps()]
+    held = [client.sweep(sweep.id).request for sweep in client.sweeps(archived=None)]
     whole = whole_sweeps(output, [request for request in requests if request not in held])
     for request in whole:
         say(f"{request['name']}:  whole in {output}/, not trained again")
