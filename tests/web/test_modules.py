@@ -24,11 +24,41 @@ def address(page: Page, module: str) -> str:
 
 def test_smoothing_is_the_debiased_average(signed_in: Page) -> None:
     values = [3.0, None, 1.0, 2.0]
-    smoothed = call(signed_in, "charts/smoothing", "smooth", values, 0.5)
+    smoothed = call(signed_in, "charts/y_scale", "smooth", values, 0.5)
     # m_1 = 1.5, m_2 = 1.25, m_3 = 1.625 over 1 - 2^-k
     assert smoothed == [3.0, None, pytest.approx(1.25 / 0.75), pytest.approx(1.625 / 0.875)]
-    assert call(signed_in, "charts/smoothing", "smooth", [7.0] * 5, 0.9) == pytest.approx([7.0] * 5)
-    assert call(signed_in, "charts/smoothing", "smooth", values, 0) == values
+    assert call(signed_in, "charts/y_scale", "smooth", [7.0] * 5, 0.9) == pytest.approx([7.0] * 5)
+    assert call(signed_in, "charts/y_scale", "smooth", values, 0) == values
+
+
+def test_smoothing_averages_what_the_axis_shows(signed_in: Page) -> None:
+    """On a logarithmic axis two values have their geometric mean in the middle."""
+    scale = call(signed_in, "charts/y_scale", "yScale", [1.0, 100.0], True)
+    assert scale["scale"] == "log"
+    smoothed = call(signed_in, "charts/y_scale", "smooth", [1.0, 100.0], 0.5, scale)
+    assert smoothed == [1.0, pytest.approx(100 ** (2 / 3))]
+    signed = call(signed_in, "charts/y_scale", "yScale", [-1.0, 1.0], True)
+    assert signed["scale"] == "symlog"
+    smoothed = call(signed_in, "charts/y_scale", "smooth", [-5.0, 5.0, -5.0], 0.9, signed)
+    assert all(-5.0 <= value <= 5.0 for value in smoothed)
+
+
+def test_a_band_below_zero_leaves_a_logarithmic_axis_logarithmic(signed_in: Page) -> None:
+    scale = call(signed_in, "charts/y_scale", "yScale", [0.5, 0.02], True)
+    curve = {"low": [-0.1, None, 0.015], "high": [1.0, None, 0.03]}
+    assert scale["scale"] == "log"
+    cut = call(signed_in, "charts/y_scale", "withinAxis", curve, scale)
+    assert cut == {"low": [0.01, None, 0.015], "high": [1.0, None, 0.03]}
+
+
+def test_what_presets_say_where(signed_in: Page) -> None:
+    def told(*values: tuple[str, str]) -> Any:
+        shown = [{"name": name, "text": text} for name, text in values]
+        return call(signed_in, "submit/learner_fields", "presetText", shown, "0.2")
+
+    assert told() == "0.2"
+    assert told(("MassPoint", "0.2"), ("CartPole", "0.2")) == "0.2"
+    assert told(("MassPoint", "0.2"), ("Pendulum", "0.6")) == "0.2 in MassPoint; 0.6 in Pendulum"
 
 
 @pytest.mark.parametrize(

@@ -120,6 +120,32 @@ def test_diagnostics_have_no_normalised_scale(opened: Page) -> None:
     expect(caption(opened)).not_to_contain_text("random")
 
 
+def test_metrics_are_offered_as_they_come(signed_in: Page, live: LiveService) -> None:
+    sweep = live.add_sweep()
+    signed_in.goto(f"{live.url}/sweeps/{sweep.id}")
+    options = signed_in.get_by_label("Metric").locator("option")
+    expect(options).to_have_count(2)
+    live.train(0, 4000)
+    expect(options).to_have_count(3)
+
+
+def test_times_grow_older_by_themselves(signed_in: Page, live: LiveService) -> None:
+    sweep = live.add_sweep()
+    signed_in.clock.install()
+    signed_in.goto(f"{live.url}/sweeps/{sweep.id}")
+    submitted = signed_in.locator("#summary time")
+    expect(submitted).to_have_text("just now")
+    signed_in.clock.fast_forward("01:40")
+    expect(submitted).to_have_text("1 min ago")
+
+
+def test_a_band_below_zero_leaves_a_logarithmic_axis_logarithmic(opened: Page) -> None:
+    """The diagnostic falls towards 0, so mean minus deviation may be negative."""
+    opened.get_by_label("Metric").select_option("critic_loss")
+    opened.get_by_role("checkbox", name="y", exact=True).check()
+    expect(caption(opened)).to_contain_text("Vertical axis logarithmic.")
+
+
 def test_the_address_is_the_whole_view(opened: Page, live: LiveService) -> None:
     opened.get_by_label("Metric").select_option("return_history")
     opened.get_by_label("Over").select_option("updates")

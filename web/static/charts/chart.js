@@ -5,9 +5,11 @@
 import { themeColour } from "../parts/palette.js";
 import { axis, canvasFont, labelWidth, ticks } from "./axes.js";
 import { align, layers, lineIndices } from "./layers.js";
+import { withinAxis } from "./y_scale.js";
 
 /**
  * @import { Curve } from "./layers.js"
+ * @import { YScale } from "./y_scale.js"
  *
  * @typedef {object} Spec
  * @property {string} group   charts of one group share their cursor
@@ -25,8 +27,7 @@ import { align, layers, lineIndices } from "./layers.js";
  * @property {Curve[]} curves
  * @property {Reference[]} references   horizontal lines
  * @property {{ label: string, log: boolean, max: number | null }} x
- * @property {{ label: string, scale: Scale, linearWithin: number, anchors: number[] }} y
- *   anchors stay in sight; symlog is linear in [-linearWithin, linearWithin]
+ * @property {{ label: string, anchors: number[] } & YScale} y   anchors stay in sight
  */
 
 /** @type {Record<Scale, import("uplot").Scale.Distr>} */
@@ -37,7 +38,7 @@ const NOTHING = {
   curves: [],
   references: [],
   x: { label: "", log: false, max: null },
-  y: { label: "", scale: "linear", linearWithin: 1, anchors: [] },
+  y: { label: "", scale: "linear", linearWithin: 1, floor: -Infinity, anchors: [] },
 };
 
 export class Chart {
@@ -86,7 +87,7 @@ export class Chart {
    */
   update(data) {
     this.#data = data;
-    const columns = align(data.curves);
+    const columns = align(data.curves.map((curve) => withinAxis(curve, data.y)));
     const structure = JSON.stringify([
       data.x.label,
       data.x.log,

@@ -1,12 +1,13 @@
 /** From the service's curves to what a chart draws, under the view that a person chose. */
 import { identityOf } from "../parts/identity.js";
-import { smooth } from "./smoothing.js";
+import { smooth, yScale } from "./y_scale.js";
 
 /**
  * @import { Identities, Identity } from "../parts/identity.js"
  * @import { CURVE_FIELDS, Field, View } from "../parts/view.js"
  * @import { Data, Reference } from "./chart.js"
  * @import { Curve } from "./layers.js"
+ * @import { YScale } from "./y_scale.js"
  *
  * @typedef {{ xLabel: string, yLabel: string, xMax: number | null }} Axes
  *
@@ -31,44 +32,28 @@ export const RETURNS = ["return_mean", "return_history"];
  * @returns {Data}
  */
 export function chartData(panel, known, view, axes) {
-  const curves = panel.curves
+  const shown = panel.curves
     .filter((curve) => !view.get("hide").includes(curve.label))
-    .map((curve) => drawnCurve(curve, identityOf(known, curve.label), view));
+    .map((curve) => (view.get("logx") ? positiveSteps(curve) : curve));
   const references = referenceLines(panel, view);
+  const marks = references.map((line) => line.value);
+  const values = shown.flatMap((curve) => lineValues(curve, view.get("seeds")));
+  const scale = yScale([...values, ...marks], view.get("logy"));
   return {
-    curves,
+    curves: shown.map((curve) => drawnCurve(curve, identityOf(known, curve.label), view, scale)),
     references,
     x: { label: axes.xLabel, log: view.get("logx"), max: axes.xMax },
-    y: {
-      label: axes.yLabel,
-      anchors: references.map((line) => line.value),
-      ...yScale(curves, references, view.get("logy")),
-    },
+    y: { label: axes.yLabel, anchors: marks, ...scale },
   };
 }
 
 /**
- * A logarithmic axis takes positive values only; else both sides of zero get one of their own.
- *
- * @param {Curve[]} curves
- * @param {Reference[]} references
- * @param {boolean} isLog
- * @returns {Pick<Data["y"], "scale" | "linearWithin">}
- */
-export function yScale(curves, references, isLog) {
-  if (!isLog) return { scale: "linear", linearWithin: 1 };
-  const values = [...curves.flatMap(drawnValues), ...references.map((line) => line.value)];
-  if (values.every((value) => value > 0)) return { scale: "log", linearWithin: 1 };
-  const largest = values.reduce((most, value) => Math.max(most, Math.abs(value)), 0);
-  return { scale: "symlog", linearWithin: 10 ** Math.floor(Math.log10(largest || 1) - 1) };
-}
-
-/**
- * @param {Curve} curve
+ * @param {Api.Curve} curve
+ * @param {boolean} withSeeds
  * @returns {number[]}
  */
-function drawnValues({ line, low, high, raw, seeds }) {
-  const columns = [line, low ?? [], high ?? [], raw ?? [], ...(seeds ?? [])];
+function lineValues({ mean, seeds }, withSeeds) {
+  const columns = [mean, ...(withSeeds ? (seeds ?? []).map((seed) => seed.values) : [])];
   return columns.flat().filter((value) => value !== null);
 }
 
@@ -76,16 +61,16 @@ function drawnValues({ line, low, high, raw, seeds }) {
  * @param {Api.Curve} curve
  * @param {Identity} identity
  * @param {View<Fields>} view
+ * @param {YScale} scale
  * @returns {Curve}
  */
-function drawnCurve(curve, { label, colour, dash }, view) {
-  const shown = view.get("logx") ? positiveSteps(curve) : curve;
+function drawnCurve({ x, mean, low, high, n, seeds }, { label, colour, dash }, view, scale) {
   const weight = view.get("smoothing");
   /** @type {Curve} */
-  const drawn = { label, colour, dash, line: shown.mean, x: shown.x, mean: shown.mean, n: shown.n };
-  if (weight > 0) Object.assign(drawn, { line: smooth(shown.mean, weight), raw: shown.mean });
-  if (view.get("band") !== "none") Object.assign(drawn, { low: shown.low, high: shown.high });
-  if (view.get("seeds")) drawn.seeds = (shown.seeds ?? []).map((seed) => seed.values);
+  const drawn = { label, colour, dash, line: mean, x, mean, n };
+  if (weight > 0) Object.assign(drawn, { line: smooth(mean, weight, scale), raw: mean });
+  if (view.get("band") !== "none") Object.assign(drawn, { low, high });
+  if (view.get("seeds")) drawn.seeds = (seeds ?? []).map((seed) => seed.values);
   return drawn;
 }
 

@@ -3,7 +3,7 @@ import { Legend } from "../charts/legend.js";
 import { MetricChoice } from "../charts/metric_choice.js";
 import { Panel } from "../charts/panel.js";
 import { isNormalized, question } from "../charts/question.js";
-import { address, get, refusalOf } from "../connection/api.js";
+import { get, refusalOf } from "../connection/api.js";
 import { follow } from "../connection/live.js";
 import { Refresh } from "../connection/refresh.js";
 import * as connection from "../connection/state.js";
@@ -52,7 +52,7 @@ if (view.get("run").length > 0) view.set({ band: "none" }); // a single run has 
 new Controls(at("controls", HTMLFormElement), view);
 new MetricChoice(at("controls", HTMLFormElement), view);
 
-follow(address("/events"), (kind) => {
+follow("", (kind) => {
   if (kind !== "run") refresh.request();
 });
 offerSweeps();

@@ -50,7 +50,7 @@ let answered = "";
 const onError = (/** @type {Error} */ error) => connection.failed(error);
 const refreshSweep = new Refresh(loadSweep, { interval: 1000, onError });
 const refreshCurves = new Refresh(loadCurves, { interval: 500, onError });
-const refreshMetrics = new Refresh(loadMetrics, { interval: 30_000, onError });
+const refreshMetrics = new Refresh(loadMetrics, { interval: 3000, onError });
 const refreshScores = new Refresh((signal) => scores.load(signal), { interval: 3000, onError });
 const refreshStatistics = new Refresh((signal) => statistics.load(signal), {
   interval: 10_000,
@@ -62,7 +62,7 @@ const entries = () => head.sweep?.entries ?? [];
 const scores = new ScoreTable(id, view, entries, () => refreshScores.hurry());
 const statistics = new Statistics(id, view, entries, () => refreshStatistics.hurry());
 
-const stream = follow(address(`/sweeps/${id}/events`), (kind) => {
+const stream = follow(id, (kind) => {
   refreshSweep.request();
   if (kind === "run") return;
   refreshCurves.request();

@@ -1,7 +1,7 @@
 /** The charts of one run, which share their cursor. */
-import { slicer, yScale } from "../charts/drawing.js";
+import { slicer } from "../charts/drawing.js";
 import { ChartFigure, remembersTable } from "../charts/figure.js";
-import { smooth } from "../charts/smoothing.js";
+import { smooth, yScale } from "../charts/y_scale.js";
 import { element, keyed } from "../parts/element.js";
 import { algorithmColour, dashPattern } from "../parts/palette.js";
 import { xLabel } from "../parts/view.js";
@@ -98,6 +98,9 @@ function runData({ title, names }, run, columns, view) {
   const x = abscissa(columns, view.get("x"));
   const from = view.get("logx") ? x.findIndex((value) => value > 0) : 0;
   const rest = slicer(from);
+  const marks = title.startsWith("Direction") ? [0, 1] : [];
+  const values = names.flatMap((name) => rest(columns[name]).filter((value) => value !== null));
+  const scale = yScale([...values, ...marks], view.get("logy"));
   const curves = names.map((name, i) => {
     const mean = rest(columns[name]);
     const weight = view.get("smoothing");
@@ -108,12 +111,11 @@ function runData({ title, names }, run, columns, view) {
       dash: dashPattern(i),
       x: rest(x),
       mean,
-      line: weight > 0 ? smooth(mean, weight) : mean,
+      line: weight > 0 ? smooth(mean, weight, scale) : mean,
       n: mean.map(() => 1),
     };
     return weight > 0 ? { ...drawn, raw: mean } : drawn;
   });
-  const marks = title.startsWith("Direction") ? [0, 1] : [];
   const references = marks.map((value) => ({ value, label: "" }));
   const max = view.get("x") === "timesteps" ? run.timesteps : null;
   return {
@@ -123,7 +125,7 @@ function runData({ title, names }, run, columns, view) {
     y: {
       label: names.length === 1 ? names[0] : title.toLowerCase(),
       anchors: marks,
-      ...yScale(curves, references, view.get("logy")),
+      ...scale,
     },
   };
 }

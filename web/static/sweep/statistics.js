@@ -1,5 +1,6 @@
 /** What a sweep says of its learners over all tasks; asked for while it is open. */
 import { ChartFigure } from "../charts/figure.js";
+import { yScale } from "../charts/y_scale.js";
 import { get, refusalOf } from "../connection/api.js";
 import { at, element, setText, within } from "../parts/element.js";
 import { identities, identityOf } from "../parts/identity.js";
@@ -106,7 +107,7 @@ function drawProfiles(figure, { definition, thresholds, profiles }, known, count
     curves,
     references: [],
     x: { label: "normalised return", log: false, max: null },
-    y: { label: "share of runs above", scale: "linear", linearWithin: 1, anchors: [0, 1] },
+    y: { label: "share of runs above", anchors: [0, 1], ...yScale([], false) },
   };
   const isOpen = within(figure.node, "details", HTMLDetailsElement).open;
   const texts = { caption: definition, abscissa: "return" };
