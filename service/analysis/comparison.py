@@ -135,7 +135,7 @@ def compare(
     `best_return(environment)` is max_reward times horizon.
     """
     shown = [run for run in run_curves if view.has(run.spec)]
-    lines = {(run.spec.environment, entries.label(run.run_id)) for run in shown}
+    lines = {(run.spec.environment, entries.label(run)) for run in shown}
     points = view.points(len(shown) if view.with_seeds else len(lines))
     panels = []
     for environment, runs in grouped(shown, lambda run: run.spec.environment).items():
@@ -143,7 +143,7 @@ def compare(
         start, unit = scale(zero, best_return(environment)) if view.normalized else (0.0, 1.0)
         curves = [
             _curve(entry_runs, label, view.band, points, start, unit)
-            for label, entry_runs in grouped(runs, lambda run: entries.label(run.run_id)).items()
+            for label, entry_runs in grouped(runs, entries.label).items()
         ]
         panels.append(Panel(environment, zero, tuple(curves)))
     is_interpolated = any(c.curve.is_interpolated for panel in panels for c in panel.curves)

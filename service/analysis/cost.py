@@ -67,6 +67,16 @@ def wall_seconds(costs: Sequence[CellCost], workers: int) -> float:
     return total_core_seconds(costs) / workers if workers else math.nan
 
 
+def about(seconds: float) -> str:
+    """Say roughly how long: `about 4 min`; nothing where that is not known."""
+    if not math.isfinite(seconds):
+        return ""
+    if seconds < 60:
+        return f"about {max(1, round(seconds))} s"
+    minutes = seconds / 60
+    return f"about {minutes:.0f} min" if minutes < 60 else f"about {minutes / 60:.1f} h"
+
+
 def explain(costs: Sequence[CellCost]) -> str:
     """Say what the estimate of a sweep is based on."""
     cells = Counter(cost.basis for cost in costs)

@@ -80,7 +80,7 @@ TheRun = Annotated[Run, Depends(_run)]
 
 
 def _label(run: TheRun, store: TheStore) -> str:
-    return Entries(store.sweep_request(run.sweep_id)).label(run.id)
+    return Entries(store.sweep_request(run.sweep_id)).label(run)
 
 
 TheLabel = Annotated[str, Depends(_label)]

@@ -1,19 +1,20 @@
 """The entries of a sweep: what its request compares, each with a name of its own.
 
-An entry is an algorithm with its settings and one pair of weights; a list of pairs is as many
-entries. What it does not state is the preset's, which may differ from task to task: it is one entry
-all the same. Curves, tables, statistics and runs go by entries, and a run's place in its sweep says
-of which entry it is: runs lie environment by environment, in each entry by entry, in each seed by
-seed.
+An entry is an algorithm with its settings, one pair of weights and a share of the timesteps. A list
+in their place is a grid: as many entries as it has points. What an entry does not state is the
+preset's, which may differ from task to task: it is one entry all the same. Curves, tables,
+statistics and runs go by entries. A run knows the place of its entry among them; entries that are
+added to a sweep come after those that it has.
 """
 
 import json
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from itertools import product
+from typing import Any, Protocol
 
-from service.model.run_name import RunName
+from service.model.grid import expand, size
 from workers.messages.run_spec import Weights
 
 Json = Mapping[str, Any]
@@ -21,29 +22,48 @@ Json = Mapping[str, Any]
 LARGEST_WHOLE = 1e16  # above it, floats are shown by their exponent
 
 
+class OfEntry(Protocol):
+    """Something that belongs to an entry: a run, or its curve."""
+
+    @property
+    def entry(self) -> int:
+        """The place of its entry in the sweep."""
+
+
 @dataclass(frozen=True)
 class Entry:
     """One entry of a request.
 
     field         where in the request: `algorithms[1]`, `algorithms[1].weights[0]`
+    point         of the grid there: `noise=0.1, scale=0.5`; empty where that is no grid
+    place         among the sweep's entries
+    item          the place of its algorithm in the request
+    base          the label that the request gives its algorithm; else the algorithm's name
     weights       None: the preset's
     config        the settings it states
     environments  those of the sweep's that it runs in
-    label         its name: the algorithm, and what tells it from its siblings
+    scale         share of the timesteps that it runs; None: the request states none
+    label         its name: the base, and what tells it from its siblings
     """
 
     field: str
+    point: str
+    place: int
+    item: int
+    base: str
     algorithm: str
     weights: Weights | None
     config: Json
     environments: tuple[str, ...]
+    scale: float | None
     label: str = ""
 
     @property
     def stated(self) -> dict[str, Any]:
-        """Weights and settings that it states, by name, weights first."""
+        """Weights, settings and share that it states, by name, weights first."""
         weights = {} if self.weights is None else self.weights._asdict()
-        return {**weights, **dict(sorted(self.config.items()))}
+        share = {} if self.scale is None else {"scale": self.scale}
+        return {**weights, **dict(sorted(self.config.items())), **share}
 
 
 class Entries:
@@ -52,13 +72,12 @@ class Entries:
     def __init__(self, request: Json) -> None:
         """List them, in the order of the request."""
         environments = tuple(dict.fromkeys(request["environments"]))
-        self.all = _labelled(
-            [
-                entry
-                for place, algorithm in enumerate(request["algorithms"])
-                for entry in _entries(f"algorithms[{place}]", algorithm, environments)
-            ]
-        )
+        stated = [
+            entry
+            for item, algorithm in enumerate(request["algorithms"])
+            for entry in _entries(item, algorithm, environments, request.get("scale"))
+        ]
+        self.all = _labelled([replace(each, place=place) for place, each in enumerate(stated)])
         self.cells = [
             (environment, entry)
             for environment in environments
@@ -66,39 +85,65 @@ class Entries:
             if environment in entry.environments
         ]
         """Each environment with each entry that runs in it, in the order of the runs."""
-        self._seeds = request["seeds"]
 
-    def label(self, run_id: str) -> str:
+    def label(self, of_entry: OfEntry) -> str:
         """Return the name of the entry that a run is of."""
-        seeds = self._seeds if isinstance(self._seeds, int) else len(self._seeds)
-        _, entry = self.cells[RunName.parse(run_id).ordinal // seeds]
-        return entry.label
+        return self.all[of_entry.entry].label
 
 
-def _entries(field: str, algorithm: Json, everywhere: tuple[str, ...]) -> list[Entry]:
-    asked = algorithm.get("weights")
-    pairs = asked if isinstance(asked, list) else [asked]
-    is_listed = len(pairs) > 1
-    return [
-        Entry(
-            field=f"{field}.weights[{place}]" if is_listed else field,
-            algorithm=algorithm["name"],
-            weights=None if pair is None else Weights(**pair),
-            config=algorithm.get("config") or {},
-            environments=tuple(algorithm.get("environments") or everywhere),
-        )
-        for place, pair in enumerate(pairs)
-    ]
+def listed(value: Any) -> list[Any]:
+    """Return the values of a list, or the one value that stands in its place."""
+    return value if isinstance(value, list) else [value]
+
+
+def axes_of(pair: Json | None, config: Json) -> dict[str, list[Any]]:
+    """Return the axes of an algorithm's grid for one of its pairs: its weights, its settings."""
+    weights = {} if pair is None else {**Weights()._asdict(), **pair}
+    return {name: listed(value) for name, value in {**weights, **config}.items()}
+
+
+def entries_of(algorithm: Json) -> int:
+    """Count an algorithm's entries, whatever the share of the timesteps; nothing is expanded."""
+    config, together = algorithm.get("config") or {}, algorithm.get("zip") or ()
+    return sum(size(axes_of(pair, config), together) for pair in listed(algorithm.get("weights")))
+
+
+def _entries(
+    item: int, algorithm: Json, everywhere: tuple[str, ...], shares: Any
+) -> Iterator[Entry]:
+    pairs = listed(algorithm.get("weights"))
+    config, together = algorithm.get("config") or {}, algorithm.get("zip") or ()
+    for index, pair in enumerate(pairs):
+        axes = axes_of(pair, config)
+        varied = [name for name, values in axes.items() if len(values) > 1]
+        for point, share in product(expand(axes, together), listed(shares)):
+            told = {name: point[name] for name in varied}
+            told |= {"scale": share} if isinstance(shares, list) else {}
+            yield Entry(
+                field=f"algorithms[{item}]" + f".weights[{index}]" * (len(pairs) > 1),
+                point=", ".join(f"{name}={setting_text(value)}" for name, value in told.items()),
+                place=0,
+                item=item,
+                base=algorithm.get("label") or algorithm["name"],
+                algorithm=algorithm["name"],
+                weights=None if pair is None else Weights(point["w1"], point["w2"]),
+                config={name: point[name] for name in config},
+                environments=tuple(algorithm.get("environments") or everywhere),
+                scale=share,
+            )
 
 
 def _labelled(entries: Sequence[Entry]) -> list[Entry]:
-    """Name each by its algorithm, and by what it states that tells it from its siblings.
+    """Name each by its base, and by what it states that tells it from its siblings.
 
-    Siblings are the entries of the same algorithm. Where some state the same, in environments of
-    their own, those tell them apart.
+    Siblings are the entries of the same algorithm; those of one label, the entries under it. Where
+    some state the same, in environments of their own, those tell them apart.
     """
-    telling = {name: _telling(name, entries) for name in {each.algorithm for each in entries}}
-    labels = [_label(entry, telling[entry.algorithm]) for entry in entries]
+    telling = {
+        base: _telling([each for each in entries if base in (each.base, each.algorithm)])
+        for base in {each.base for each in entries}
+    }
+    labels = [_label(entry, telling[entry.base]) for entry in entries]
     counts = Counter(labels)
     return [
         replace(entry, label=f"{label} in {', '.join(entry.environments)}")
@@ -108,17 +153,16 @@ def _labelled(entries: Sequence[Entry]) -> list[Entry]:
     ]
 
 
-def _telling(algorithm: str, entries: Sequence[Entry]) -> set[str]:
-    """The names of weights and settings in which entries of an algorithm differ."""
-    stated = [entry.stated for entry in entries if entry.algorithm == algorithm]
-    texts = [{name: setting_text(value) for name, value in each.items()} for each in stated]
+def _telling(siblings: Sequence[Entry]) -> set[str]:
+    """The names of weights and settings in which entries differ."""
+    texts = [{n: setting_text(value) for n, value in each.stated.items()} for each in siblings]
     names = {name for each in texts for name in each}
     return {name for name in names if len({each.get(name) for each in texts}) > 1}
 
 
 def _label(entry: Entry, telling: set[str]) -> str:
     told = [f"{n}={setting_text(value)}" for n, value in entry.stated.items() if n in telling]
-    return " ".join([entry.algorithm, *told])
+    return " ".join([entry.base, *told])
 
 
 def setting_text(value: Any) -> str:

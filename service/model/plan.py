@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from service.model.entry import Entry
 from service.model.environment import environment_facts
 from workers.messages.run_spec import RunSpec
 
@@ -12,13 +13,13 @@ class Plan:
     """A sweep before it is stored.
 
     cells    one spec per curve; its seed is the first one
-    labels   of the entries that the cells are of
+    entries  what the cells are of
     seeds    of every cell
     notices  what whoever submits it should know
     """
 
     cells: tuple[RunSpec, ...]
-    labels: tuple[str, ...]
+    entries: tuple[Entry, ...]
     seeds: Sequence[int]
     notices: tuple[str, ...]
 
@@ -46,3 +47,17 @@ class Plan:
     def specs(self) -> list[RunSpec]:
         """Every run, those of a cell together: they are trained together."""
         return [replace(cell, seed=seed) for cell in self.cells for seed in self.seeds]
+
+    def places(self) -> list[int]:
+        """The place of each run's entry."""
+        return [entry.place for entry in self.entries for _ in self.seeds]
+
+    @property
+    def product(self) -> str:
+        """`3 x 2 x 16 seeds = 96 runs`: entries, tasks, seeds; `5 curves x ...` of no product."""
+        entries = len({entry.place for entry in self.entries})
+        tasks = len({cell.environment for cell in self.cells})
+        curves = len(self.cells)
+        factors = f"{entries} x {tasks}" if curves == entries * tasks else f"{curves} curves"
+        seeds = "1 seed" if len(self.seeds) == 1 else f"{len(self.seeds):,} seeds"
+        return f"{factors} x {seeds} = {self.runs:,} run{'' if self.runs == 1 else 's'}"

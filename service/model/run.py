@@ -53,6 +53,7 @@ def unfinished(statuses: Iterable[RunStatus]) -> dict[str, int]:
 class Run:
     """One run. Times are seconds since 1970 by the database's clock.
 
+    entry               the place of its entry among those of its sweep
     attempt             how often it was claimed; writes under an older number are refused
     timestep            environment steps reached by the current attempt
     reason              why it stands where it stands, a sentence; empty while all is well
@@ -69,6 +70,7 @@ class Run:
     id: str
     sweep_id: str
     spec: RunSpec
+    entry: int
     environment_version: int
     status: RunStatus
     reason: str

@@ -18,6 +18,7 @@ class RunCurve:
 
     x       float64 [n]
     values  float64 [n], NaN and infinities as they were measured
+    entry   the place of its entry among those of its sweep
     """
 
     run_id: str
@@ -26,3 +27,4 @@ class RunCurve:
     status: RunStatus
     x: NDArray[np.float64]
     values: NDArray[np.float64]
+    entry: int = 0

@@ -72,6 +72,7 @@ runs = Table(
     Column("sweep_number", ForeignKey(sweeps.c.number), nullable=False),
     Column("ordinal", Integer, nullable=False),
     Column("cell", Integer, nullable=False),  # numbers the cells of one sweep
+    Column("entry", Integer, nullable=False, default=0, server_default="0"),
     Column("algorithm", Text, nullable=False),
     Column("environment", Text, nullable=False),
     Column("environment_version", Integer, nullable=False),

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from service.analysis.statistics.scores import CellScores
-from service.model.entry import Entries
+from service.model.entry import Entries, OfEntry
 from service.model.run import RunStatus
 from service.model.run_curve import RunCurve
 from workers.messages.run_spec import RunSpec
@@ -21,11 +21,11 @@ class ByAlgorithm(Entries):
         environments = [run.spec.environment for run in runs]
         request = {"algorithms": [{"name": name} for name in algorithms]}
         super().__init__({**request, "environments": environments, "seeds": 1})
-        self._algorithms = {run.run_id: run.spec.algorithm for run in runs}
 
-    def label(self, run_id: str) -> str:
+    def label(self, of_entry: OfEntry) -> str:
         """The run's algorithm."""
-        return self._algorithms[run_id]
+        assert isinstance(of_entry, RunCurve)
+        return of_entry.spec.algorithm
 
 
 def cell(
@@ -53,6 +53,7 @@ def run_curve(
     """A succeeded run measured at 800, 1600, ..."""
     status = fields.pop("status", RunStatus.SUCCEEDED)
     return RunCurve(
+        entry=fields.pop("entry", 0),
         run_id=fields.pop("run_id", f"{algorithm}-{environment}-{seed}"),
         spec=RunSpec(algorithm, environment, seed, **fields),
         environment_version=1,

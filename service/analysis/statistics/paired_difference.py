@@ -51,7 +51,7 @@ def paired_differences(
     best_return: Callable[[str], float],
 ) -> list[PairedDifference]:
     """Return the differences of a sweep's runs of return_mean over timesteps."""
-    cells = grouped(run_curves, lambda run: (run.spec.environment, entries.label(run.run_id)))
+    cells = grouped(run_curves, lambda run: (run.spec.environment, entries.label(run)))
     found = []
     for (environment, label), runs in cells.items():
         zero = random_returns.get((environment, runs[0].environment_version))

@@ -63,8 +63,7 @@ def sweep_scores(
 
     The curves are those of the score's own metric over timesteps.
     """
-    cells = grouped(run_curves, lambda run: (run.spec.environment, entries.label(run.run_id)))
-    places = {entry.label: place for place, entry in enumerate(entries.all)}
+    cells = grouped(run_curves, lambda run: (run.spec.environment, entries.label(run)))
     scores = []
     for (environment, label), runs in cells.items():
         start, unit = 0.0, 1.0
@@ -78,7 +77,7 @@ def sweep_scores(
             CellScores(
                 spec=ascending[0].spec,
                 label=label,
-                place=places[label],
+                place=ascending[0].entry,
                 seeds=tuple(run.spec.seed for run in ascending),
                 values=values,
                 statuses=tuple(run.status for run in ascending),

@@ -53,7 +53,7 @@ def list_runs(
         limit=query.limit + 1,
     )
     label = Entries(sweep.request).label
-    answers = [ListedRunAnswer.of(run, label(run.id)) for run in runs]
+    answers = [ListedRunAnswer.of(run, label(run)) for run in runs]
     page = page_of(answers, query.limit, request, response)
     if query.sparkline:
         outlines = store.return_outlines([run.id for run in page.items], query.sparkline)

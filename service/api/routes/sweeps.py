@@ -62,6 +62,7 @@ def submit_sweep(
             request.priority,
             request.model_dump(mode="json", exclude_unset=True),
             planned.specs(),
+            entries=planned.places(),
             environment_versions=planned.environment_versions,
             submission_key=idempotency_key,
         )

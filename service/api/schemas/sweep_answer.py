@@ -7,7 +7,14 @@ from typing import Any, Self
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from service.analysis.cost import Basis, CellCost, explain, total_core_seconds, wall_seconds
+from service.analysis.cost import (
+    Basis,
+    CellCost,
+    about,
+    explain,
+    total_core_seconds,
+    wall_seconds,
+)
 from service.analysis.figures.paper_figure import PAPER
 from service.api.schemas.number import finite_or_none
 from service.api.schemas.run_answer import MOVES, WeightsAnswer, as_time
@@ -101,6 +108,7 @@ class DryRunAnswer(BaseModel):
                         "diverged": 0,
                         "cancelled": 0,
                     },
+                    "product": "1 x 1 x 16 seeds = 16 runs, about 2 min",
                     "timesteps": 320_000,
                     "cells": [
                         {
@@ -127,6 +135,7 @@ class DryRunAnswer(BaseModel):
     )
 
     runs: RunCountsAnswer
+    product: str = Field(description="What is multiplied, to how many runs, in about what time.")
     timesteps: int = Field(description="Environment steps of all runs together.")
     cells: list[PlannedCellAnswer]
     estimate: EstimateOfCostAnswer
@@ -137,7 +146,7 @@ class DryRunAnswer(BaseModel):
         """Show a plan and the costs of its cells."""
         cells = [
             PlannedCellAnswer(
-                label=label,
+                label=entry.label,
                 algorithm=cell.algorithm,
                 environment=cell.environment,
                 weights=WeightsAnswer.of(cell.weights),
@@ -150,7 +159,7 @@ class DryRunAnswer(BaseModel):
                     runs=cost.runs,
                 ),
             )
-            for label, cell, cost in zip(plan.labels, plan.cells, costs, strict=True)
+            for entry, cell, cost in zip(plan.entries, plan.cells, costs, strict=True)
         ]
         counts = RunCountsAnswer.of(RunCounts(queued=plan.runs))
         estimate = EstimateOfCostAnswer(
@@ -161,6 +170,7 @@ class DryRunAnswer(BaseModel):
         )
         return cls(
             runs=counts,
+            product=", ".join(filter(None, [plan.product, about(wall_seconds(costs, workers))])),
             timesteps=plan.timesteps,
             cells=cells,
             estimate=estimate,

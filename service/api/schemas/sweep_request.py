@@ -50,11 +50,31 @@ def weight(value: float) -> float:
     return value + 0.0
 
 
+def label_text(value: str) -> str:
+    """Return a label; raises ValueError for what no table, legend or terminal can show as it is."""
+    if not value.isprintable() or value != value.strip():
+        raise ValueError("a label is printable text without spaces around it")
+    return value
+
+
 def config_value(value: object) -> object:
-    """Return a setting of a learner: a scalar, or a list of scalars; its config says which."""
-    if isinstance(value, list) and len(value) <= MAX_LISTED:
-        return [_scalar(each) for each in value]
+    """Return a setting of a learner, or a list of them: a grid."""
+    if isinstance(value, list):
+        return [_setting(each) for each in _counted(value)]
     return _scalar(value)
+
+
+def _setting(value: object) -> object:
+    """Return a value of a setting: a scalar, or a list of scalars where its config takes one."""
+    return (
+        [_scalar(each) for each in _counted(value)] if isinstance(value, list) else _scalar(value)
+    )
+
+
+def _counted(values: list[object]) -> list[object]:
+    if not 1 <= len(values) <= MAX_LISTED:
+        raise ValueError(f"a list has 1 to {MAX_LISTED} values, this one has {len(values)}")
+    return values
 
 
 def _scalar(value: object) -> object:
@@ -67,7 +87,7 @@ def _scalar(value: object) -> object:
     if isinstance(value, str) and len(value) <= MAX_CONFIG_TEXT:
         return storable(value)
     raise ValueError(
-        "a setting is null, true, false, a finite number, a short text, or a list of those"
+        "a setting is null, true, false, a finite number or a short text; a list of them is a grid"
     )
 
 
@@ -77,30 +97,44 @@ def _one_or_list(value: object) -> str:
 
 Text = Annotated[str, AfterValidator(storable)]
 Name = Annotated[Text, Field(min_length=1, max_length=MAX_NAME)]
+Label = Annotated[Name, AfterValidator(label_text)]
+Listed = Field(min_length=1, max_length=MAX_LISTED)
 Weight = Annotated[float, Field(ge=0, le=MAX_WEIGHT), AfterValidator(weight)]
+Weighed = Annotated[
+    Annotated[Weight, Tag("<one>")] | Annotated[list[Weight], Listed, Tag("<list>")],
+    Discriminator(_one_or_list),
+]
+Share = Annotated[float, Field(gt=0, le=1)]
 Seed = Annotated[int, Field(ge=0, le=MAX_SEED)]
 ConfigValue = Annotated[
     Any,
     PlainValidator(config_value),
-    WithJsonSchema({"description": "null, boolean, number, text, or a list of those"}),
+    WithJsonSchema({"description": "null, boolean, number, text; a list of them is a grid"}),
 ]
 
 
 class Weights(Request):
-    """Weights of the critic's gradient terms: w1 for dQ/da, w2 for dQ/ds."""
+    """Weights of the critic's gradient terms: w1 for dQ/da, w2 for dQ/ds; lists are a grid."""
 
-    w1: Weight = 0.0
-    w2: Weight = 0.0
+    w1: Weighed = 0.0
+    w2: Weighed = 0.0
 
 
 class AlgorithmRequest(Request):
-    """An algorithm of the sweep, with one or several pairs of weights, and settings of its own."""
+    """An algorithm of the sweep, with weights and settings of its own.
+
+    A list in the place of a weight or a setting is a grid: every combination is an entry.
+    """
 
     name: Name
+    label: Label | None = Field(
+        default=None,
+        description="What its entries are called instead of by its name; what tells them apart "
+        "follows it.",
+    )
     weights: (
         Annotated[
-            Annotated[Weights, Tag("<one>")]
-            | Annotated[list[Weights], Field(min_length=1, max_length=MAX_LISTED), Tag("<list>")],
+            Annotated[Weights, Tag("<one>")] | Annotated[list[Weights], Listed, Tag("<list>")],
             Discriminator(_one_or_list),
         ]
         | None
@@ -109,6 +143,13 @@ class AlgorithmRequest(Request):
         default_factory=dict,
         max_length=MAX_LISTED,
         description="Settings that differ from the preset; `GET /catalogue` has their schema.",
+    )
+    zip: list[Name] | None = Field(
+        default=None,
+        min_length=2,
+        max_length=MAX_LISTED,
+        description="Weights and settings whose lists, equally long, advance together; the others "
+        "are multiplied.",
     )
     environments: list[Name] | None = Field(
         default=None,
@@ -136,6 +177,7 @@ class SweepRequest(Request):
                             "name": "hybrid-ddpg",
                             "weights": [{"w1": 0.1, "w2": 0.1}, {"w1": 0.01, "w2": 0}],
                         },
+                        {"name": "sac", "label": "soft", "config": {"rate": [0.0003, 0.001]}},
                     ],
                     "environments": ["Pendulum"],
                     "seeds": 16,
@@ -159,10 +201,12 @@ class SweepRequest(Request):
         le=MAX_TIMESTEPS,
         description="Environment steps of each run; else the preset's.",
     )
-    scale: float = Field(
+    scale: Annotated[
+        Annotated[Share, Tag("<one>")] | Annotated[list[Share], Listed, Tag("<list>")],
+        Discriminator(_one_or_list),
+    ] = Field(
         default=1.0,
-        gt=0,
-        le=1,
-        description="Share of those timesteps to run, for a quick look; at least one measurement.",
+        description="Share of those timesteps to run, for a quick look; at least one measurement. "
+        "A list is a grid.",
     )
     priority: int = Field(default=0, ge=-1000, le=1000, description="Higher goes first.")

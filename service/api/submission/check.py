@@ -1,6 +1,6 @@
 """What can be wrong with a posted sweep beyond the form of its fields."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, TypeVar
 
 from pydantic import ValidationError
@@ -8,18 +8,20 @@ from pydantic import ValidationError
 from algorithms import catalogue
 from algorithms.catalogue import Algorithm
 from service.api.problems import Fault, faults_of, printable
-from service.api.schemas.sweep_request import MAX_RUNS, AlgorithmRequest, SweepRequest, Weights
+from service.api.schemas.sweep_request import MAX_RUNS, AlgorithmRequest, SweepRequest
+from service.api.submission.grid_faults import repeated_values
 from service.api.submission.nearest import unknown_name
+from service.model.entry import Entry, Json, entries_of, listed
 from service.model.environment import environment_facts
 
 Value = TypeVar("Value")
 
 
-def cap_faults(request: SweepRequest) -> list[Fault]:
+def cap_faults(request: SweepRequest, posted: Json) -> list[Fault]:
     """Count the product without expanding it, and refuse one above the cap."""
     curves = sum(
-        len(_listed(each))
-        for each in request.algorithms
+        entries_of(algorithm) * len(listed(request.scale))
+        for each, algorithm in zip(request.algorithms, posted["algorithms"], strict=True)
         for environment in request.environments
         if each.runs_in(environment)
     )
@@ -27,7 +29,8 @@ def cap_faults(request: SweepRequest) -> list[Fault]:
     if (runs := curves * seeds) <= MAX_RUNS:
         return []
     message = (
-        f"{curves} pairs of algorithm (with its weights) and environment, times {seeds} seeds, are "
+        f"{curves} pairs of an entry (an algorithm with its weights and settings) and an "
+        f"environment, times {seeds} seeds, are "
         f"{runs} runs; a sweep has at most {MAX_RUNS}"
     )
     return [Fault("seeds", message, MAX_RUNS)]
@@ -40,8 +43,8 @@ def name_faults(request: SweepRequest) -> list[Fault]:
     return [*_unknown(algorithms, catalogue.find), *_unknown(environments, environment_facts)]
 
 
-def product_faults(request: SweepRequest) -> list[Fault]:
-    """Refuse repeated seeds and environments, and what an algorithm cannot do.
+def product_faults(request: SweepRequest, posted: Json, entries: Sequence[Entry]) -> list[Fault]:
+    """Refuse repeated seeds, environments and grid values, and what an algorithm cannot do.
 
     Of algorithms that are not in the catalogue, `name_faults` tells.
     """
@@ -50,8 +53,9 @@ def product_faults(request: SweepRequest) -> list[Fault]:
         *_repeated({f"seeds[{i}]": seed for i, seed in enumerate(seeds)}),
         *_repeated({f"environments[{i}]": name for i, name in enumerate(request.environments)}),
         *_environments_faults(request),
-        *_useless_weights(request),
-        *_wrong_settings(request),
+        *repeated_values(posted),
+        *_useless_weights(request, entries),
+        *_wrong_settings(request, posted, entries),
         *_impossible_pairs(request),
     ]
 
@@ -97,7 +101,23 @@ def _known(request: SweepRequest) -> Iterator[tuple[int, AlgorithmRequest, Algor
             yield i, each, catalogue.find(each.name)
 
 
-def _useless_weights(request: SweepRequest) -> list[Fault]:
+def label_faults(request: SweepRequest, entries: Iterable[Entry]) -> list[Fault]:
+    """Refuse labels that a request gives and another of its entries has."""
+    first: dict[str, Entry] = {}
+    taken: dict[str, Entry] = {}
+    for entry in entries:
+        if (earlier := first.setdefault(entry.label, entry)) is not entry:
+            given = entry if request.algorithms[entry.item].label else earlier
+            taken.setdefault(f"algorithms[{given.item}].label", given)
+    return [
+        Fault(field, f"another entry is called {printable(entry.label)!r} too: give it another one")
+        for field, entry in taken.items()
+        if request.algorithms[entry.item].label
+    ]
+
+
+def _useless_weights(request: SweepRequest, entries: Sequence[Entry]) -> list[Fault]:
+    weighed = {entry.item for entry in entries if entry.weights and any(entry.weights)}
     return [
         Fault(
             f"algorithms[{i}].weights",
@@ -105,27 +125,39 @@ def _useless_weights(request: SweepRequest) -> list[Fault]:
             0,
         )
         for i, asked, algorithm in _known(request)
-        if not algorithm.uses_weights
-        and any(weights and (weights.w1 or weights.w2) for weights in _listed(asked))
+        if not algorithm.uses_weights and i in weighed
     ]
 
 
-def _wrong_settings(request: SweepRequest) -> Iterator[Fault]:
-    """Refuse settings that the algorithm's config class does not take."""
-    for i, asked, algorithm in _known(request):
-        settings = algorithm.config_class()
-        try:
-            settings(**asked.config)
-        except ValidationError as refusal:
-            for error in refusal.errors():
-                yield _settings_fault(f"algorithms[{i}].config", error, settings)
+def _wrong_settings(
+    request: SweepRequest, posted: Json, entries: Sequence[Entry]
+) -> Iterator[Fault]:
+    """Refuse settings that the config class does not take, each value of a grid once."""
+    for i, _, algorithm in _known(request):
+        settings, stated = algorithm.config_class(), posted["algorithms"][i].get("config", {})
+        faults: dict[str, Fault] = {}
+        for entry in (each for each in entries if each.item == i):
+            try:
+                settings(**entry.config)
+            except ValidationError as refusal:
+                for error in refusal.errors():
+                    fault = _settings_fault(
+                        f"algorithms[{i}].config", error, settings, entry.config, stated
+                    )
+                    faults.setdefault(fault.field, fault)
+        yield from faults.values()
 
 
-def _settings_fault(field: str, error: Mapping[str, Any], settings: type[Any]) -> Fault:
+def _settings_fault(
+    field: str, error: Mapping[str, Any], settings: type[Any], chosen: Json, stated: Json
+) -> Fault:
+    """Return the fault of a setting; `stated` may have a list where `chosen` has one of it."""
     name = error["loc"][0]
     if error["type"] == "unexpected_keyword_argument":
         return unknown_name(f"{field}.{name}", name, list(settings.__dataclass_fields__))
-    return faults_of([{**error, "loc": (field, *error["loc"])}])[0]
+    values = stated.get(name)
+    place = (values.index(chosen[name]),) if isinstance(values, list) else ()
+    return faults_of([{**error, "loc": (field, name, *place, *error["loc"][1:])}])[0]
 
 
 def _impossible_pairs(request: SweepRequest) -> list[Fault]:
@@ -142,10 +174,3 @@ def _impossible_pairs(request: SweepRequest) -> list[Fault]:
         and not _unknown([("", environment)], environment_facts)
         and not environment_facts(environment).reward_is_differentiable
     ]
-
-
-def _listed(algorithm: AlgorithmRequest) -> list[Weights] | list[None]:
-    """Return the pairs of weights; one None where the preset's are asked for."""
-    if algorithm.weights is None:
-        return [None]
-    return [algorithm.weights] if isinstance(algorithm.weights, Weights) else algorithm.weights

@@ -6,7 +6,8 @@ from algorithms.measurement import MEASURE_EVERY
 from algorithms.presets import completed, preset
 from service.api.problems import Fault, InvalidRequest
 from service.api.schemas.sweep_request import SweepRequest
-from service.api.submission.check import cap_faults, name_faults, product_faults
+from service.api.submission.check import cap_faults, label_faults, name_faults, product_faults
+from service.api.submission.grid_faults import zip_faults
 from service.api.submission.memory import memory_faults
 from service.api.submission.same_curve import notices, repetition_faults
 from service.model.entry import Entries, Entry
@@ -21,18 +22,27 @@ def plan(request: SweepRequest, worker_memory: int) -> Plan:
     is counted and not expanded, then for what its parts and its cells ask, then for runs that would
     fill more than the worker's memory.
     """
-    _refuse(cap_faults(request))
+    posted = request.model_dump(mode="json", exclude_unset=True)
+    _refuse(list(zip_faults(posted)))
+    _refuse(cap_faults(request, posted))
     seeds = range(request.seeds) if isinstance(request.seeds, int) else tuple(request.seeds)
-    entries = Entries(request.model_dump(mode="json", exclude_unset=True))
+    entries = Entries(posted)
     cells = [
         (entry, _spec(entry, environment, request, seeds[0]))
         for environment, entry in entries.cells
     ]
-    _refuse([*name_faults(request), *product_faults(request), *repetition_faults(cells)])
+    _refuse(
+        [
+            *name_faults(request),
+            *product_faults(request, posted, entries.all),
+            *repetition_faults(cells),
+            *label_faults(request, entries.all),
+        ]
+    )
     _refuse(list(memory_faults(cells, worker_memory)))
     return Plan(
         cells=tuple(spec for _, spec in cells),
-        labels=tuple(entry.label for entry, _ in cells),
+        entries=tuple(entry for entry, _ in cells),
         seeds=seeds,
         notices=tuple(notices(cells)),
     )
@@ -51,7 +61,7 @@ def _spec(entry: Entry, environment: str, request: SweepRequest, seed: int) -> R
         environment=environment,
         seed=seed,
         weights=Weights(*usual.weights) if entry.weights is None else entry.weights,
-        timesteps=_scaled(request.timesteps or usual.timesteps, request.scale),
+        timesteps=_scaled(request.timesteps or usual.timesteps, entry.scale or 1.0),
         config=completed(entry.algorithm, environment, entry.config),
     )
 

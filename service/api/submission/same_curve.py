@@ -82,11 +82,16 @@ def _repetition(found: Sequence[tuple[RunSpec, Entry, Entry]]) -> Fault:
     spec, entry, earlier = found[0]
     where = " and ".join(each.environment for each, _, _ in found)
     message = (
-        f"is the same as {earlier.field} in {where}: with presets filled in, both are "
+        f"is the same as {_named(earlier)} in {where}: with presets filled in, both are "
         f"{_described(spec, {**entry.config, **earlier.config})}. Leave one out, change it, or "
         f"give it `environments` without {where}."
     )
     return Fault(entry.field, message)
+
+
+def _named(entry: Entry) -> str:
+    """Where an entry stands in the request, and at which point of a grid."""
+    return f"{entry.field} with {entry.point}" if entry.point else entry.field
 
 
 def _described(spec: RunSpec, stated: Iterable[str]) -> str:

@@ -34,12 +34,14 @@ def create(
     request: Mapping[str, Any],
     specs: Sequence[RunSpec],
     *,
+    entries: Sequence[int] | None = None,
     environment_versions: Mapping[str, int],
     submission_key: str | None = None,
 ) -> Sweep:
     """Write a sweep and its runs, which are numbered in the order of the specs.
 
-    The versions are those of the specs' environments. Under a key that a sweep was submitted with
+    `entries` are the places of the specs' entries; without them, all are of the first. The versions
+    are those of the specs' environments. Under a key that a sweep was submitted with
     already, return that one. Raises SubmissionKeyReusedError where that one's request was another.
     """
     if not specs:
@@ -53,13 +55,18 @@ def create(
         id=sweep_id, name=name, priority=priority, request=request, submission_key=submission_key
     )
     number = connection.execute(heading.returning(sweeps.c.number)).scalar_one()
-    connection.execute(insert(runs), _rows(number, specs, environment_versions))
+    connection.execute(
+        insert(runs), _rows(number, specs, entries or [0] * len(specs), environment_versions)
+    )
     events.append(connection, [events.sweep_changed(number, sweep_id, "created")])
     return get(connection, sweep_id)
 
 
 def _rows(
-    sweep_number: int, specs: Sequence[RunSpec], environment_versions: Mapping[str, int]
+    sweep_number: int,
+    specs: Sequence[RunSpec],
+    entries: Sequence[int],
+    environment_versions: Mapping[str, int],
 ) -> list[dict[str, Any]]:
     """The runs of a sweep as rows, numbered in the order of the specs."""
     cells = {cell: index for index, cell in enumerate(dict.fromkeys(s.cell for s in specs))}
@@ -68,10 +75,11 @@ def _rows(
             "sweep_number": sweep_number,
             "ordinal": ordinal,
             "cell": cells[spec.cell],
+            "entry": entry,
             "environment_version": environment_versions[spec.environment],
             **columns_of(spec),
         }
-        for ordinal, spec in enumerate(specs)
+        for ordinal, (spec, entry) in enumerate(zip(specs, entries, strict=True))
     ]
 
 

@@ -4,7 +4,8 @@ from typing import Any
 
 import pytest
 
-from service.model.entry import Entries, setting_text
+from service.model.entry import Entries, entries_of, setting_text
+from workers.messages.run_spec import Weights
 
 
 def entries(*algorithms: dict[str, Any], environments: str = "MassPoint Pendulum") -> Entries:
@@ -72,8 +73,55 @@ def test_the_same_in_other_environments_is_told_apart_by_those() -> None:
     ) == ["ddpg in MassPoint", "ddpg in Pendulum"]
 
 
+def test_a_label_of_ones_own() -> None:
+    """Where it stands for several entries, what tells those apart follows it."""
+    assert labels(
+        {"name": "ddpg", "label": "base"},
+        {"name": "ddpg", "config": {"noise": 0.1}},
+        {"name": "ddpg", "label": "mine", "config": {"noise": [0.3, 0.4], "tau": 0.02}},
+    ) == ["base", "ddpg noise=0.1", "mine noise=0.3", "mine noise=0.4"]
+
+
+def test_a_list_is_a_grid() -> None:
+    found = entries(
+        {"name": "hybrid-ddpg", "weights": {"w1": [0, 1]}, "config": {"noise": [0.1, 0.2]}}
+    )
+    assert [entry.label for entry in found.all] == [
+        "hybrid-ddpg w1=0 noise=0.1",
+        "hybrid-ddpg w1=0 noise=0.2",
+        "hybrid-ddpg w1=1 noise=0.1",
+        "hybrid-ddpg w1=1 noise=0.2",
+    ]
+    second = found.all[1]
+    assert (second.weights, second.config) == (Weights(0, 0), {"noise": 0.2})
+    assert second.point == "w1=0, noise=0.2"
+    assert [entry.place for entry in found.all] == [0, 1, 2, 3]
+
+
+def test_lists_that_go_together() -> None:
+    grid = {"w1": [0, 1], "w2": [2, 3]}
+    zipped = {"name": "sac", "weights": grid, "config": {"rate": [1, 2]}, "zip": ["w1", "rate"]}
+    found = entries(zipped).all
+    assert [(*entry.stated.values(),) for entry in found] == [
+        (0, 2, 1),
+        (0, 3, 1),
+        (1, 2, 2),
+        (1, 3, 2),
+    ]
+    assert entries_of(zipped) == len(found)
+
+
+def test_shares_of_the_timesteps_are_entries() -> None:
+    request = {"algorithms": [{"name": "ddpg"}], "environments": ["Pendulum"], "scale": [0.5, 1]}
+    found = Entries(request).all
+    assert [(entry.label, entry.scale) for entry in found] == [
+        ("ddpg scale=0.5", 0.5),
+        ("ddpg scale=1", 1),
+    ]
+
+
 @pytest.mark.parametrize("seeds", [2, [7, 3]])
-def test_a_runs_place_says_its_entry(seeds: Any) -> None:
+def test_cells_lie_environment_by_environment(seeds: Any) -> None:
     found = Entries(
         {
             "algorithms": [
@@ -85,10 +133,10 @@ def test_a_runs_place_says_its_entry(seeds: Any) -> None:
             "seeds": seeds,
         }
     )
-    by_run = [found.label(f"3f9a0c51b7de-{ordinal}") for ordinal in range(14)]
     hybrids = ["hybrid-ddpg w1=1 w2=0", "hybrid-ddpg w1=0 w2=1"]
-    expected = ["ddpg", *hybrids, "ddpg", "gd", *hybrids]
-    assert by_run == [label for label in expected for _ in range(2)]
+    assert [entry.label for _, entry in found.cells] == ["ddpg", *hybrids, "ddpg", "gd", *hybrids]
+    assert [entry.place for _, entry in found.cells] == [0, 2, 3, 0, 1, 2, 3]
+    assert [environment for environment, _ in found.cells] == ["Acrobot"] * 3 + ["Pendulum"] * 4
 
 
 @pytest.mark.parametrize(

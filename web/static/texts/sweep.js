@@ -10,18 +10,18 @@ import { count, counted, number, remaining } from "./format.js";
  */
 export function summary(sweep) {
   /** @type {Api.Request} */
-  const { algorithms, environments, seeds, timesteps, scale = 1 } = sweep.request;
-  if (!Array.isArray(algorithms) || !Array.isArray(environments)) return "";
-  const learners = algorithms.map(({ weights }) => (Array.isArray(weights) ? weights.length : 1));
-  const tasks = algorithms.map((each) => (each.environments ?? environments).length);
-  const entries = learners.reduce((sum, n) => sum + n, 0);
-  const curves = learners.reduce((sum, n, i) => sum + n * tasks[i], 0);
+  const { environments, seeds = 0, timesteps, scale = 1 } = sweep.request;
+  if (!Array.isArray(environments)) return "";
+  const entries = sweep.entries.length;
+  const repeats = Array.isArray(seeds) ? seeds.length : seeds;
+  const curves = sweep.runs.total / repeats;
   const parts = [counted(entries, "learner"), counted(environments.length, "environment")];
-  const of = counted(Array.isArray(seeds) ? seeds.length : (seeds ?? 0), "seed");
+  const of = counted(repeats, "seed");
   const isWhole = curves === entries * environments.length;
   const product = isWhole ? parts.join(" × ") : `${parts.join(" in ")}: ${counted(curves, "curve")}`;
   const steps = timesteps ? `, ${count(timesteps)} timesteps` : "";
-  const share = scale < 1 ? `, ${number(100 * scale)} % of the timesteps` : "";
+  const shares = [scale].flat().map((each) => number(100 * each));
+  const share = scale === 1 ? "" : `, ${shares.join(" and ")} % of the timesteps`;
   return `${product} × ${of}${steps}${share}`;
 }
 

@@ -20,8 +20,8 @@ def compared(algorithms: list[dict[str, Any]], *, environment: str = "") -> Comp
     request = {"algorithms": algorithms, "environments": ["MassPoint", "Pendulum"], "seeds": 1}
     entries = Entries(request)
     curves = [
-        run_curve(entry.algorithm, task, 0, [1.0], run_id=f"a-{ordinal}")
-        for ordinal, (task, entry) in enumerate(entries.cells)
+        run_curve(entry.algorithm, task, 0, [1.0], entry=entry.place)
+        for task, entry in entries.cells
     ]
     shown = [one for one in curves if environment in ("", one.spec.environment)]
     return compare(shown, entries, VIEW, dict[tuple[str, int], RandomReturn](), lambda _: 0.0)

@@ -273,6 +273,60 @@ def test_weights_of_an_algorithm_without_gradient_terms(idle_client: TestClient)
     assert idle_client.post("/api/v1/sweeps?dry_run=true", json=zero).status_code == 200
 
 
+@pytest.mark.parametrize(
+    ("asked", "field", "says"),
+    [
+        ({"zip": ["w1", "noise"]}, "zip[0]", "'w1' is no list of this algorithm's"),
+        ({"weights": {"w1": [0, 1]}, "zip": ["w1", "w1"]}, "zip[0]", "named twice"),
+        ({"zip": ["noise", "tau"]}, "zip", "noise has 2, tau has 3"),
+        ({"zip": ["noise"]}, "zip", "at least 2"),
+        ({"weights": {"w1": [0, 0.0]}}, "weights.w1[1]", "is the same as"),
+        ({"weights": [{"w1": 1}, {"w2": [1, 1]}]}, "weights[1].w2[1]", "is the same as"),
+        ({"weights": {"w1": []}}, "weights.w1", "at least 1"),
+        ({"weights": {"w1": [0, -1]}}, "weights.w1[1]", "greater than or equal to 0"),
+        ({"config": {"noise": [0.1, 0.2, 0.1]}}, "config.noise[2]", "is the same as"),
+        ({"label": " mine"}, "label", "without spaces around it"),
+        ({"label": "a\x1b[31m"}, "label", "printable"),
+        ({"label": ""}, "label", "at least 1"),
+    ],
+)
+def test_grids_and_labels_are_refused_by_field(
+    idle_client: TestClient, asked: Json, field: str, says: str
+) -> None:
+    grid = {"config": {"noise": [0.1, 0.2], "tau": [0.01, 0.02, 0.03]}}
+    errors = refusals(idle_client, algorithm(**grid | asked))
+    assert says in errors[f"algorithms[0].{field}"]["message"]
+
+
+@pytest.mark.parametrize(
+    ("algorithms", "field"),
+    [
+        ([DDPG | {"label": "x"}, {"name": "sac", "label": "x"}], "algorithms[1].label"),
+        ([{"name": "sac", "label": "ddpg"}, DDPG], "algorithms[0].label"),
+        ([DDPG, {"name": "sac", "label": "ddpg"}], "algorithms[1].label"),
+    ],
+)
+def test_no_two_entries_have_one_label(
+    idle_client: TestClient, algorithms: list[Json], field: str
+) -> None:
+    errors = refusals(idle_client, changed(algorithms=algorithms))
+    assert list(errors) == [field]
+    assert "another entry is called" in errors[field]["message"]
+
+
+def test_a_grid_point_equal_to_another_entry_is_named(idle_client: TestClient) -> None:
+    grid = HYBRID | {"config": {"noise": [0.1, 0.2]}}
+    body = changed(algorithms=[grid, HYBRID], environments=["MassPoint"])
+    [refusal] = refusals(idle_client, body).values()
+    assert refusal["field"] == "algorithms[1]"
+    assert "is the same as algorithms[0] with noise=0.2 in MassPoint" in refusal["message"]
+
+
+def test_a_grid_above_the_cap_is_counted_and_not_expanded(idle_client: TestClient) -> None:
+    axes = {f"x{i}": list(range(100)) for i in range(50)}
+    assert refusals(idle_client, algorithm(config=axes))["seeds"]["limit"] == MAX_RUNS
+
+
 @pytest.mark.parametrize("seeds", [10**9, 2**53 - 1, MAX_RUNS // 4 + 1])
 def test_a_product_above_the_cap_is_counted_and_not_expanded(
     idle_client: TestClient, seeds: int
@@ -290,7 +344,10 @@ def test_a_product_above_the_cap_is_counted_and_not_expanded(
         ({"batch_size": True}, "batch_size", None, "valid integer"),
         ({"batch_size": 64.5}, "batch_size", None, "valid integer"),
         ({"tau": "0.1"}, "tau", None, "valid number"),
-        ({"tau": [0.1]}, "tau", None, "valid number"),
+        ({"tau": [[0.1]]}, "tau[0]", None, "valid number"),
+        ({"tau": [0.1, 2]}, "tau[1]", 1, "less than or equal to 1"),
+        ({"tau": []}, "tau", None, "1 to 100 values"),
+        ({"gama": [0.9, 0.8]}, "gama", None, "did you mean 'gamma'?"),
         ({"gama": 0.9}, "gama", None, "did you mean 'gamma'?"),
         ({"__class__": 1}, "__class__", None, "is not known"),
         ({"self": 1}, "self", None, "is not known"),

@@ -2,15 +2,18 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 from sqlalchemy import inspect, select
 
+from service.model.entry import Entries
 from service.store.connection import connect
 from service.store.store import Store
 from service.store.tables import metadata, runs
 from service.store.upkeep import migration
 from tests.service.store.conftest import Submit, measured
 from workers.messages.progress import Progress
+from workers.messages.run_spec import RunSpec, Weights
 
 
 def test_migrations_make_the_tables(url: str) -> None:
@@ -86,3 +89,35 @@ def test_opening_again_keeps_everything(store: Store, submit: Submit, url: str) 
     again = Store.open(url)
     assert again.list_sweeps() == [sweep]
     again.close()
+
+
+def test_runs_of_before_are_of_the_entry_that_their_place_said(url: str) -> None:
+    request: dict[str, Any] = {
+        "algorithms": [
+            {"name": "gd", "environments": ["Pendulum"]},
+            {"name": "hybrid-ddpg", "weights": [{"w1": 1}, {"w2": 1}]},
+        ],
+        "environments": ["Acrobot", "Pendulum"],
+        "seeds": [7, 3],
+    }
+    cells = Entries(request).cells
+    specs = [
+        RunSpec(entry.algorithm, environment, seed, entry.weights or Weights())
+        for environment, entry in cells
+        for seed in request["seeds"]
+    ]
+    places = [entry.place for _, entry in cells for _ in request["seeds"]]
+    versions = dict.fromkeys(request["environments"], 1)
+    opened = Store.open(url)
+    sweep = opened.create_sweep(
+        "x", 0, request, specs, entries=places, environment_versions=versions
+    )
+    opened.close()
+    engine = connect(url, "writer")
+    migration.downgrade(engine, "0006")
+    migration.upgrade(engine)
+    engine.dispose()
+    again = Store.open(url)
+    assert [run.entry for run in again.list_runs(sweep.id)] == places
+    again.close()
+    assert places == [1, 1, 2, 2, 0, 0, 1, 1, 2, 2]
