@@ -16,6 +16,7 @@ import typer
 from rich.console import Console
 
 from service.cli import paper
+from service.cli.drawing import figure
 from service.cli.exporting import export, plot, table
 from service.cli.following import watch
 from service.cli.host import db, demo
@@ -39,8 +40,8 @@ app = typer.Typer(
 app.add_typer(db.app)
 app.add_typer(paper.app)
 COMMANDS: tuple[Callable[..., None], ...] = (
-    serve, submit, ls, show, watch, *map(command_of, TRANSITIONS), export, table, plot, rollout,
-    verify, doctor,
+    serve, submit, ls, show, watch, *map(command_of, TRANSITIONS), export, table, plot, figure,
+    rollout, verify, doctor,
 )  # fmt: skip
 for command in COMMANDS:
     app.command()(command)

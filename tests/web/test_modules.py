@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page
 
-from service.analysis.figures.palette import BLUE, COLOURS, colour
+from service.analysis.figures.palette import BLUE, COLOURS, OTHERS, colour, shades
 
 pytestmark = pytest.mark.browser
 
@@ -110,6 +110,37 @@ def test_colours_are_those_of_the_figures_in_files(signed_in: Page) -> None:
     for algorithm in [*COLOURS, "somebody-s-own", "td3", "ppo"]:
         ours = call(signed_in, "parts/palette", "algorithmColour", algorithm)
         assert ours == colour(algorithm).lower()
+
+
+def test_shades_are_those_of_the_figures_in_files(signed_in: Page) -> None:
+    signed_in.emulate_media(color_scheme="light")
+    for base in [*COLOURS.values(), *OTHERS]:
+        for count in (1, 2, 7):
+            ours = call(signed_in, "parts/palette", "shades", base, count)
+            assert [channels(each) for each in ours] == [
+                pytest.approx(channels(each), abs=1) for each in shades(base, count)
+            ]
+
+
+def channels(colour: str) -> list[int]:
+    return [int(colour[place : place + 2], 16) for place in (1, 3, 5)]
+
+
+def test_entries_that_differ_in_one_number_are_shades_in_its_order(signed_in: Page) -> None:
+    values = [0.2, 0.05, 0.4]
+    entries = [
+        {"label": f"ddpg noise={each}", "algorithm": "ddpg", "stated": {"noise": each}}
+        for each in values
+    ]
+    script = """async ([path, entries]) => {
+      const { identities } = await import(path);
+      return [...identities(entries).values()].map(({ colour }) => colour);
+    }"""
+    shown = signed_in.evaluate(script, [address(signed_in, "parts/identity"), entries])
+    by_value = dict(zip(sorted(values), shades(BLUE, 3), strict=True))
+    assert [channels(each) for each in shown] == [
+        pytest.approx(channels(by_value[each]), abs=1) for each in values
+    ]
 
 
 def test_no_two_entries_share_colour_and_dash(signed_in: Page) -> None:

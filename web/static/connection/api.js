@@ -49,13 +49,15 @@ export function isDropped(error) {
  * The address of a resource, with the parameters that are set.
  *
  * @param {string} path
- * @param {object} [parameters] by name, of texts, numbers and truth values
+ * @param {object} [parameters] by name, of texts, numbers, truth values, and lists of them
  * @returns {string}
  */
 export function address(path, parameters = {}) {
   const query = new URLSearchParams();
   for (const [name, value] of Object.entries(parameters)) {
-    if (value !== null && value !== undefined && value !== "") query.set(name, String(value));
+    for (const each of [value].flat()) {
+      if (each !== null && each !== undefined && each !== "") query.append(name, String(each));
+    }
   }
   return PREFIX + path + (query.size > 0 ? `?${query}` : "");
 }

@@ -6,6 +6,7 @@ import { Refusal } from "./api.js";
 const state = at("connection");
 const banner = at("banner");
 const CAUGHT_UP_MILLISECONDS = 4000;
+const NOT_FOUND = 404;
 
 /** @type {Date | null} */
 let lostAt = null; // since when what is shown may be old; null while it is not
@@ -75,7 +76,8 @@ export function failed(error) {
  *
  * @param {Refusal} refusal
  */
-function refusedToShow({ message }) {
+function refusedToShow({ status, message }) {
+  if (status === NOT_FOUND) return; // which the page itself says
   const place = at("loading");
   setText(place, `${message} Choose something else above, or reset the view.`);
   place.hidden = false;

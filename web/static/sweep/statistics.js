@@ -20,6 +20,9 @@ import { interval, scaleOf } from "./interval.js";
  * @property {Field<"final" | "return_history" | "area">} score
  */
 
+/** @type {import("../charts/limits.js").Limits} */
+const NO_LIMITS = [null, null];
+
 export class Statistics {
   #id;
   #view;
@@ -73,7 +76,7 @@ export class Statistics {
     const profiles = (this.#profiles ??= new ChartFigure(
       { title: "Performance profiles", label: "Performance profiles" },
       "profiles",
-      () => {},
+      { onToggle: () => {} },
     ));
     at("statistics-body").replaceChildren(
       element(
@@ -106,8 +109,8 @@ function drawProfiles(figure, { definition, thresholds, profiles }, known, count
   const data = {
     curves,
     references: [],
-    x: { label: "normalised return", log: false, max: null },
-    y: { label: "share of runs above", anchors: [0, 1], ...yScale([], false) },
+    x: { label: "normalised return", log: false, max: null, limits: NO_LIMITS },
+    y: { label: "share of runs above", anchors: [0, 1], ...yScale([], false), limits: NO_LIMITS },
   };
   const isOpen = within(figure.node, "details", HTMLDetailsElement).open;
   const texts = { caption: definition, abscissa: "return" };

@@ -1,24 +1,23 @@
 /** From the service's curves to what a chart draws, under the view that a person chose. */
 import { identityOf } from "../parts/identity.js";
-import { smooth, yScale } from "./y_scale.js";
+import { slicer } from "../charts/layers.js";
+import { range, xLimits, yLimits } from "../charts/limits.js";
+import { smooth, yScale } from "../charts/y_scale.js";
 
 /**
  * @import { Identities, Identity } from "../parts/identity.js"
- * @import { CURVE_FIELDS, Field, View } from "../parts/view.js"
- * @import { Data, Reference } from "./chart.js"
- * @import { Curve } from "./layers.js"
- * @import { YScale } from "./y_scale.js"
+ * @import { COMPARISON_FIELDS, View } from "../parts/view.js"
+ * @import { Data, Reference } from "../charts/chart.js"
+ * @import { Curve } from "../charts/layers.js"
+ * @import { YScale } from "../charts/y_scale.js"
  *
- * @typedef {{ xLabel: string, yLabel: string, xMax: number | null }} Axes
+ * @typedef {object} Axes
+ * @property {string} xLabel
+ * @property {string} yLabel
+ * @property {number | null} xMax
+ * @property {[low: number, high: number] | null} yShared   of the y axes of all panels
  *
- * @typedef {typeof CURVE_FIELDS & CurvesFields} Fields   of a view that draws a sweep's curves
- *
- * @typedef {object} CurvesFields
- * @property {Field<string>} metric
- * @property {Field<"normalized" | "raw">} scale
- * @property {Field<"std" | "ci95" | "iqr" | "none">} band
- * @property {Field<boolean>} seeds
- * @property {Field<string[]>} hide
+ * @typedef {typeof COMPARISON_FIELDS} Fields
  */
 
 /** Metrics that are returns: only these have a normalised scale and a random policy to lie above. */
@@ -29,12 +28,11 @@ export const RETURNS = ["return_mean", "return_history"];
  * @param {Identities} known
  * @param {View<Fields>} view
  * @param {Axes} axes
+ * @param {Set<string>} hidden labels
  * @returns {Data}
  */
-export function chartData(panel, known, view, axes) {
-  const shown = panel.curves
-    .filter((curve) => !view.get("hide").includes(curve.label))
-    .map((curve) => (view.get("logx") ? positiveSteps(curve) : curve));
+export function chartData(panel, known, view, axes, hidden) {
+  const shown = shownCurves(panel, view, hidden);
   const references = referenceLines(panel, view);
   const marks = references.map((line) => line.value);
   const values = shown.flatMap((curve) => lineValues(curve, view.get("seeds")));
@@ -42,9 +40,41 @@ export function chartData(panel, known, view, axes) {
   return {
     curves: shown.map((curve) => drawnCurve(curve, identityOf(known, curve.label), view, scale)),
     references,
-    x: { label: axes.xLabel, log: view.get("logx"), max: axes.xMax },
-    y: { label: axes.yLabel, anchors: marks, ...scale },
+    x: { label: axes.xLabel, log: view.get("logx"), max: axes.xMax, ...xLimits(view) },
+    y: {
+      label: axes.yLabel,
+      anchors: marks,
+      ...scale,
+      ...yLimits(view, values, axes.yShared),
+    },
   };
+}
+
+/**
+ * What all y axes have in common where they are aligned: the range of every line that is shown.
+ *
+ * @param {Api.Panel[]} panels
+ * @param {View<Fields>} view
+ * @param {Set<string>} hidden
+ * @returns {Axes["yShared"]}
+ */
+export function sharedRange(panels, view, hidden) {
+  if (!view.get("align")) return null;
+  const curves = panels.flatMap((panel) => shownCurves(panel, view, hidden));
+  const values = curves.flatMap((curve) => lineValues(curve, view.get("seeds")));
+  return values.length === 0 ? null : range(values, view.get("robust"));
+}
+
+/**
+ * @param {Api.Panel} panel
+ * @param {View<Fields>} view
+ * @param {Set<string>} hidden
+ * @returns {Api.Curve[]}
+ */
+function shownCurves(panel, view, hidden) {
+  return panel.curves
+    .filter((curve) => !hidden.has(curve.label))
+    .map((curve) => (view.get("logx") ? positiveSteps(curve) : curve));
 }
 
 /**
@@ -91,16 +121,6 @@ function positiveSteps(curve) {
     n: rest(curve.n),
     seeds: curve.seeds?.map((seed) => ({ ...seed, values: rest(seed.values) })),
   };
-}
-
-/**
- * What takes a column from an index on; of -1, nothing of it.
- *
- * @param {number} from
- * @returns {<T>(column: T[]) => T[]}
- */
-export function slicer(from) {
-  return (column) => (from < 0 ? [] : column.slice(from));
 }
 
 /**
