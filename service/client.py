@@ -29,6 +29,7 @@ from pydantic import BaseModel
 from service.analysis.figures.figure_form import Form
 from service.analysis.figures.paper_figure import FigureNumber
 from service.api.schemas.curves_answer import CurvesAnswer
+from service.api.schemas.listed_sweep_answer import ListedSweepAnswer
 from service.api.schemas.measurements_answer import MeasurementsAnswer
 from service.api.schemas.number import unsayable
 from service.api.schemas.page import Page
@@ -37,10 +38,11 @@ from service.api.schemas.rollout_answer import RolloutAnswer
 from service.api.schemas.run_answer import AttemptAnswer, ListedRunAnswer, RunAnswer
 from service.api.schemas.score_table_answer import ScoreTableAnswer
 from service.api.schemas.statistics_answer import StatisticsAnswer
-from service.api.schemas.sweep_answer import DryRunAnswer, SweepAnswer
+from service.api.schemas.sweep_answer import DryRunAnswer, SweepAnswer, SweepHead
 from service.api.schemas.sweep_request import SweepRequest
 from service.model.move import Move
 from service.model.run_name import is_run
+from service.model.sweep import SweepStatus
 
 API = "/api/v1"
 
@@ -175,9 +177,67 @@ class Client:
         """A sweep: status, numbers of runs by status, progress in [0, 1] and ETA in seconds."""
         return self._get(SweepAnswer, f"/sweeps/{sweep_id}")
 
-    def sweeps(self) -> Iterator[SweepAnswer]:
-        """All sweeps, newest first; fetched page by page while you iterate."""
-        return self._pages(Page[SweepAnswer], "/sweeps")
+    def sweeps(
+        self,
+        q: str | None = None,
+        *,
+        tag: str | None = None,
+        algorithm: str | None = None,
+        environment: str | None = None,
+        status: SweepStatus | str | None = None,
+        archived: bool | None = False,
+    ) -> Iterator[ListedSweepAnswer]:
+        """Sweeps, newest first; fetched page by page while you iterate.
+
+        Args:
+            q: a text in the name, the notes or a tag, or the beginning of the id.
+            tag: those that have it.
+            algorithm: those that compare it.
+            environment: those with runs in it.
+            status: those that stand there.
+            archived: None for all sweeps, True for archived ones alone.
+        """
+        asked = {
+            "q": q,
+            "tag": tag,
+            "algorithm": algorithm,
+            "environment": environment,
+            "status": status,
+            "archived": "all" if archived is None else str(archived).lower(),
+        }
+        given = {name: value for name, value in asked.items() if value is not None}
+        return self._pages(Page[ListedSweepAnswer], "/sweeps", **given)
+
+    def edit(
+        self,
+        sweep_id: str,
+        *,
+        name: str | None = None,
+        notes: str | None = None,
+        tags: Sequence[str] | None = None,
+        archived: bool | None = None,
+        priority: int | None = None,
+    ) -> SweepAnswer:
+        """Change how a sweep is described, found and ranked; None leaves a field as it is.
+
+        Args:
+            sweep_id: the sweep.
+            name: its new name.
+            notes: Markdown, which is shown as text.
+            tags: replace those that it has.
+            archived: whether lists leave it out.
+            priority: sweeps with a higher one start first.
+        """
+        fields = {
+            "name": name,
+            "notes": notes,
+            "tags": None if tags is None else list(tags),
+            "archived": archived,
+            "priority": priority,
+        }
+        changes = {field: value for field, value in fields.items() if value is not None}
+        answer = self._call("PATCH", f"/sweeps/{sweep_id}", json=changes)
+        return SweepAnswer.model_validate_json(answer.content)
 
     def run(self, run_id: str) -> RunAnswer:
         """One run, by its id (`<sweep>-<number>`)."""
@@ -326,10 +386,10 @@ class Client:
                 raise TimeoutError(f"Sweep {sweep_id} has not ended within {timeout_seconds:g} s.")
             time.sleep(poll_seconds)
 
-    def _get(self, model: type[Answer], path: str, **params: Option) -> Answer:
+    def _get(self, model: type[Answer], path: str, **params: Any) -> Answer:
         return model.model_validate_json(self._call("GET", path, params=params).content)
 
-    def _pages(self, model: type[Page[Answer]], path: str, **params: Option) -> Iterator[Answer]:
+    def _pages(self, model: type[Page[Answer]], path: str, **params: Any) -> Iterator[Answer]:
         cursor: dict[str, str] = {}
         while True:
             page = self._get(model, path, **params, **cursor)
@@ -379,7 +439,7 @@ def path_of(identifier: str) -> str:
     return f"/{'runs' if is_run(identifier) else 'sweeps'}/{identifier}"
 
 
-def has_ended(sweep: SweepAnswer) -> bool:
+def has_ended(sweep: SweepHead) -> bool:
     """Whether every run of the sweep is final."""
     counts = sweep.runs
     ended = counts.succeeded + counts.failed + counts.diverged + counts.cancelled

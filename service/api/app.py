@@ -17,6 +17,7 @@ from service.api.access_token import access_token
 from service.api.body_limit import BodyLimit
 from service.api.context import Workforce
 from service.api.event_feed import EventFeed
+from service.api.invalid_request import refuse_invalid
 from service.api.logs import AccessLog
 from service.api.problem_schema import describe_problems
 from service.api.problems import install_problem_handlers
@@ -34,6 +35,7 @@ from service.api.routes import (
     runs,
     scores,
     signin,
+    submissions,
     sweeps,
 )
 from service.api.security import Guard
@@ -43,6 +45,7 @@ from service.store.store import Store
 
 PREFIX = "/api/v1"
 RESOURCES = (
+    submissions,
     sweeps,
     runs,
     moves,
@@ -84,7 +87,7 @@ def create_app(settings: Settings, store: Store, dispatcher: Workforce) -> FastA
     app.state.side = SideProcess()
     app.state.checkpoints = settings.checkpoint_place
     app.state.worker_memory = settings.run_memory
-    install_problem_handlers(app)
+    install_problem_handlers(app, refuse_invalid)
     api = APIRouter(prefix=PREFIX)
     for resource in RESOURCES:
         api.include_router(resource.router)

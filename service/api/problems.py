@@ -9,7 +9,7 @@ of its insides: the log does, under the same request id.
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from http import HTTPStatus
 from typing import Any
@@ -38,6 +38,8 @@ LIMIT_KEYS = ("ge", "gt", "le", "lt", "min_length", "max_length", "multiple_of",
 MAX_FAULTS = 100
 MAX_ECHO = 100
 LOCATIONS = frozenset({"body", "query", "path", "header", "cookie"})
+
+Handler = Callable[[ExceptionHandler, Request, RequestValidationError], Problem]
 
 log = structlog.get_logger(__name__)
 
@@ -156,14 +158,14 @@ def problem_response(
     return JSONResponse(document, status, headers, MEDIA_TYPE)
 
 
-def install_problem_handlers(app: FastAPI) -> None:
-    """Make every error of the application answer with a problem."""
+def install_problem_handlers(app: FastAPI, refuse_invalid: Handler) -> None:
+    """Make every error of the application answer with a problem; one of form as is given."""
     handler = new_exception_handler(
         logger=log,
         unhandled_wrappers={"default": InternalError},
         handlers={DBAPIError: _tell_trouble},
         post_hooks=[_add_request_id, _show_to_people],
-        request_validation_handler=_refuse_invalid,
+        request_validation_handler=refuse_invalid,
     )
     add_exception_handler(app, handler)
     app.add_exception_handler(DBAPIError, handler)
@@ -172,12 +174,6 @@ def install_problem_handlers(app: FastAPI) -> None:
 def _tell_trouble(_handler: ExceptionHandler, _request: Request, error: DBAPIError) -> Problem:
     trouble = find_trouble(error)
     return InternalError() if trouble is None else DatabaseTrouble(trouble)
-
-
-def _refuse_invalid(
-    _handler: ExceptionHandler, _request: Request, error: RequestValidationError
-) -> Problem:
-    return InvalidRequest(faults_of(error.errors()))
 
 
 def _fault_of(error: Mapping[str, Any]) -> Fault:

@@ -14,7 +14,7 @@ from rich.text import Text
 
 from service.api.schemas.curves_answer import CurveAnswer
 from service.api.schemas.run_answer import RunAnswer
-from service.api.schemas.sweep_answer import SweepAnswer
+from service.api.schemas.sweep_answer import SweepAnswer, SweepHead
 from service.cli.terminal import AsJson, SweepId, console, plain, print_table, say, table_of
 from service.client import Client
 
@@ -155,13 +155,13 @@ def _latest(curve: CurveAnswer) -> tuple[str, str, str]:
     return f"{curve.x[i]:,.0f}", value, str(n) if n == curve.runs else f"{n} of {curve.runs}"
 
 
-def counts_text(sweep: SweepAnswer) -> str:
+def counts_text(sweep: SweepHead) -> str:
     """The runs by status, those there are: `2 running, 14 queued`."""
     counts = sweep.runs.model_dump(exclude={"total"})
     return ", ".join(f"{count} {status}" for status, count in counts.items() if count)
 
 
-def eta_text(sweep: SweepAnswer) -> str:
+def eta_text(sweep: SweepHead) -> str:
     """The time left in words; empty where it is not known, or none is left."""
     if not sweep.eta_seconds:
         return ""

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from service.api.schemas.listed_sweep_answer import BestAnswer, ListedSweepAnswer
 from service.api.schemas.page import Page
 from service.api.schemas.run_answer import AttemptAnswer, ListedRunAnswer, RunAnswer
 from service.api.schemas.sweep_answer import SweepAnswer
@@ -14,49 +15,73 @@ from service.cli.following import counts_text, eta_text
 from service.cli.terminal import AsJson, Identifier, print_json, print_table, say
 from service.client import Client
 from service.model.entry import setting_text
-from service.model.run import RunStatus
 from service.model.run_name import is_run
 
 LOG_LINES = 20
+MOST_NAMED = 3
 
 
 def ls(
     sweep_id: Annotated[
         str | None, typer.Argument(metavar="[SWEEP]", help="List its runs, not the sweeps.")
     ] = None,
-    status: Annotated[RunStatus | None, typer.Option(help="Only runs that stand there.")] = None,
-    algorithm: Annotated[str | None, typer.Option(help="Only its runs.")] = None,
-    environment: Annotated[str | None, typer.Option(help="Only runs in this task.")] = None,
+    status: Annotated[str | None, typer.Option(help="Only those that stand there.")] = None,
+    algorithm: Annotated[
+        str | None, typer.Option("--algorithm", "-a", help="Only what is of it.")
+    ] = None,
+    environment: Annotated[
+        str | None, typer.Option("--environment", "-e", help="Only what is in this task.")
+    ] = None,
+    q: Annotated[
+        str | None,
+        typer.Option("--search", "-q", help="Only sweeps with this text in name, notes or tags."),
+    ] = None,
+    tag: Annotated[str | None, typer.Option(help="Only sweeps with it.")] = None,
+    archived: Annotated[bool, typer.Option("--archived", help="Only archived sweeps.")] = False,
     limit: Annotated[int, typer.Option(min=1, help="At most so many.")] = 50,
     as_json: AsJson = False,
 ) -> None:
     """List sweeps, newest first, or the runs of one."""
     filters = {"status": status, "algorithm": algorithm, "environment": environment}
     given = {name: str(value) for name, value in filters.items() if value is not None}
-    if sweep_id is None and given:
-        raise typer.BadParameter("runs are filtered, sweeps are not: name a SWEEP")
+    if sweep_id is not None and (q or tag or archived):
+        raise typer.BadParameter("--search, --tag and --archived are for sweeps, not for runs")
     with Client() as client:
         if sweep_id is None:
-            list_sweeps(list(islice(client.sweeps(), limit + 1)), limit, as_json)
+            sweeps = client.sweeps(q, tag=tag, archived=archived, **given)
+            list_sweeps(list(islice(sweeps, limit + 1)), limit, as_json)
         else:
             runs = client.runs(sweep_id, limit=min(1000, limit + 1), **given)
             list_runs(list(islice(runs, limit + 1)), limit, as_json)
 
 
-def list_sweeps(sweeps: list[SweepAnswer], limit: int, as_json: bool) -> None:
+def list_sweeps(sweeps: list[ListedSweepAnswer], limit: int, as_json: bool) -> None:
     """Print sweeps, and whether there are more."""
     if as_json:
-        print_json(Page[SweepAnswer](items=sweeps[:limit], next=None))
+        print_json(Page[ListedSweepAnswer](items=sweeps[:limit], next=None))
         return
     print_table(
-        ("sweep", "status", "done", "ETA", "runs", "submitted (UTC)", "name"),
+        ("sweep", "status", "done", "ETA", "runs", "submitted (UTC)", "name", "learners", "tasks",
+         "best", "tags"),
         [
             (s.id, s.status, f"{s.progress:.0%}", eta_text(s).removeprefix("ETA "),
-             counts_text(s), f"{s.created_at:%Y-%m-%d %H:%M}", s.name)
+             counts_text(s), f"{s.created_at:%Y-%m-%d %H:%M}", s.name, named(s.algorithms),
+             named(s.environments), best_text(s.best), ", ".join(s.tags))
             for s in sweeps[:limit]
         ],
     )  # fmt: skip
     say_if_more(len(sweeps), limit)
+
+
+def named(names: list[str]) -> str:
+    """`ddpg, sac`; `ddpg, sac, td3 and 4 more` of many."""
+    shown = ", ".join(names[:MOST_NAMED])
+    return f"{shown} and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else shown
+
+
+def best_text(best: BestAnswer | None) -> str:
+    """`0.842 (hybrid-ddpg in Pendulum)`; empty where no curve is complete."""
+    return "" if best is None else f"{best.score:.3f} ({best.label} in {best.environment})"
 
 
 def list_runs(runs: list[ListedRunAnswer], limit: int, as_json: bool) -> None:
@@ -106,7 +131,11 @@ def show_sweep(sweep: SweepAnswer, url: str) -> None:
     say(f"runs       {sweep.runs.total}: {counts_text(sweep)}")
     say(f"learners   {', '.join(entry.label for entry in sweep.entries)}")
     say(f"submitted  {sweep.created_at:%Y-%m-%d %H:%M:%S} UTC, priority {sweep.priority}")
+    if sweep.tags:
+        say(f"tags       {', '.join(sweep.tags)}")
     say(f"page       {url}/sweeps/{sweep.id}")
+    for line in sweep.notes.splitlines():
+        say(f"  {line}")
 
 
 def show_run(run: RunAnswer, attempts: list[AttemptAnswer]) -> None:

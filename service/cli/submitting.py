@@ -10,12 +10,12 @@ from typing import Annotated
 import typer
 
 from service.api.schemas.sweep_answer import CellAnswer, CostAnswer, DryRunAnswer
+from service.cli.algorithm_option import ALGORITHM_TEXT, algorithm_of, values_of
 from service.cli.following import follow
-from service.cli.sweep_file import Json, read_request
+from service.cli.sweep_file import read_request
 from service.cli.terminal import AsJson, console, print_json, print_table, say
 from service.client import Client, SubmissionNotice
 from service.model.entry import setting_text
-from workers.messages.run_spec import Weights
 
 
 def submit(
@@ -24,14 +24,23 @@ def submit(
     ] = None,
     algorithm: Annotated[
         list[str] | None,
-        typer.Option("--algorithm", "-a", help="A name, or NAME:W1,W2; may be repeated."),
+        typer.Option("--algorithm", "-a", help=f"{ALGORITHM_TEXT}; may be repeated."),
     ] = None,
     environment: Annotated[
         list[str] | None, typer.Option("--environment", "-e", help="A task; may be repeated.")
     ] = None,
-    seeds: Annotated[int | None, typer.Option(help="How many seeds each curve gets.")] = None,
+    seeds: Annotated[
+        str | None, typer.Option(help="How many seeds each curve gets, or which: 0,3,7.")
+    ] = None,
     timesteps: Annotated[int | None, typer.Option(help="Of each run; the preset's.")] = None,
+    scale: Annotated[
+        str | None, typer.Option(help="Share of the timesteps; a list is a grid: 0.1,1.")
+    ] = None,
     name: Annotated[str | None, typer.Option(help="Any text.")] = None,
+    notes: Annotated[str | None, typer.Option(help="Markdown, shown as text.")] = None,
+    tag: Annotated[
+        list[str] | None, typer.Option(help="What it is found by; may be repeated.")
+    ] = None,
     priority: Annotated[int | None, typer.Option(help="Higher goes first.")] = None,
     key: Annotated[
         str | None, typer.Option(help="Submitted again under this text, it is the same sweep.")
@@ -47,8 +56,11 @@ def submit(
         "name": name,
         "algorithms": [algorithm_of(each) for each in algorithm or []] or None,
         "environments": environment or None,
-        "seeds": seeds,
+        "seeds": None if seeds is None else values_of(seeds),
         "timesteps": timesteps,
+        "scale": None if scale is None else values_of(scale),
+        "notes": notes,
+        "tags": tag or None,
         "priority": priority,
     }
     given = {field: value for field, value in flags.items() if value is not None}
@@ -71,21 +83,6 @@ def submit(
             raise typer.Exit(follow(client, sweep.id, console, as_json=as_json))
 
 
-def algorithm_of(text: str) -> Json:
-    """`hybrid-ddpg:0.1,0.01` as a request has it. Raises typer.BadParameter."""
-    name, colon, pair = text.partition(":")
-    if not colon:
-        return {"name": name}
-    try:
-        weights = Weights._make(map(float, pair.split(",")))
-    except (ValueError, TypeError) as error:
-        raise typer.BadParameter(
-            f"{text!r} is no algorithm: write NAME or NAME:W1,W2, as in hybrid-ddpg:0.1,0.01",
-            param_hint="--algorithm",
-        ) from error
-    return {"name": name, "weights": weights._asdict()}
-
-
 def show_estimate(answer: DryRunAnswer, as_json: bool) -> None:
     """Print what would be queued, cell by cell, and what it would take."""
     if as_json:
@@ -100,6 +97,7 @@ def show_estimate(answer: DryRunAnswer, as_json: bool) -> None:
     if estimate.core_seconds is not None:
         say(f"About {duration(estimate.core_seconds)} of one core" + wall_text(answer) + ".")
     say(estimate.explanation)
+    say(f"{answer.product}.")
     say_notices(answer.notices)
 
 

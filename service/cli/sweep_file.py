@@ -41,6 +41,20 @@ class SweepLoader(yaml.SafeLoader):
         text = self.construct_scalar(node).replace("_", "")
         return int(text, 0) if text.startswith(("0o", "0x")) else int(text)
 
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        """Return a mapping. Raises a YAMLError for a key that is there twice."""
+        first: dict[str, yaml.Node] = {}
+        for key, _ in node.value:
+            if key.value == "<<" or not isinstance(key.value, str):
+                continue
+            if (earlier := first.setdefault(key.value, key)) is not key:
+                message = f"{key.value!r} is there twice, at first in line"
+                line = earlier.start_mark.line + 1
+                raise yaml.constructor.ConstructorError(
+                    None, None, f"{message} {line}", key.start_mark
+                )
+        return super().construct_mapping(node, deep)
+
     def construct_number(self, node: yaml.ScalarNode) -> float:
         """Return a number; a whole one where it is written without a point, as in `2e4`."""
         value: float = self.construct_yaml_float(node)

@@ -9,8 +9,8 @@ from typing import Any
 class Event:
     """One change.
 
-    kind     "sweep" (created, cancelled, paused, resumed, retried), "run" (its status changed) or
-             "measurements" (a run has new ones)
+    kind     "sweep" (created, edited, cancelled, paused, resumed, retried), "run" (its status
+             changed) or "measurements" (a run has new ones)
     payload  always sweep_id; sweep: change; run: run_id, status, reason, attempt, timestep;
              measurements: run_id, from, to (timesteps, both inclusive)
     """

@@ -65,6 +65,7 @@ class Run:
     memory_bytes        that it may come to fill in its worker; None until that is known
     worked_seconds      how long workers have worked on it, waits between attempts left out; None
                         before the first attempt has ended
+    score               its final score, raw; NaN unless it succeeded
     """
 
     id: str
@@ -85,6 +86,7 @@ class Run:
     resumed_timestep: int | None
     memory_bytes: int | None
     worked_seconds: float | None
+    score: float
 
 
 @dataclass(frozen=True)

@@ -48,7 +48,10 @@ class RunCounts:
 class Sweep:
     """One sweep. Times are seconds since 1970 by the database's clock.
 
-    request      what was posted, as it was
+    request      what was posted, and what was added to it since
+    notes        Markdown, shown as text
+    tags         in the order that they were given
+    archived     out of the way: lists leave it out unless they are asked for it
     progress     share of the asked timesteps that is done; a run that reached its end counts whole,
                  any other as far as it got
     eta_seconds  time left at the pace since the first claim; None while there is no pace or a pause
@@ -64,3 +67,6 @@ class Sweep:
     runs: RunCounts
     progress: float
     eta_seconds: float | None
+    notes: str
+    tags: tuple[str, ...]
+    archived: bool

@@ -24,11 +24,18 @@ from sqlalchemy import Connection, Engine, text
 from service.metrics import MEASUREMENTS
 from service.model.claim import CellLimit, Claim, no_limit
 from service.store import records
-from service.store.claiming import checkpoints, claims, endings, run_moves, sweep_moves
+from service.store.claiming import (
+    checkpoints,
+    claims,
+    endings,
+    run_moves,
+    sweep_edits,
+    sweep_moves,
+)
 from service.store.claiming.retry import RetryPolicy
 from service.store.connection import connect
 from service.store.reader import Reader
-from service.store.reading import costs, events, runs, sweeps
+from service.store.reading import costs, events, runs, standings, sweep_names, sweeps
 from service.store.reading import measurements as measured
 from service.store.reading import random_returns as zeros
 from service.store.upkeep.migration import upgrade
@@ -121,6 +128,10 @@ class Store:
     sweep_request = _reads(sweeps.request)
     sweep_version = _reads(sweeps.version)
     list_sweeps = _reads(sweeps.page)
+    sweep_standings = _reads(standings.of_sweeps)
+    sweep_outlines = _reads(standings.outlines)
+    sweep_tags = _reads(sweep_names.all_tags)
+    edit_sweep = _writes(sweep_edits.edit)
     move_sweep = _writes(sweep_moves.move_sweep)
     find_run = _reads(runs.find)
     list_runs = _reads(runs.page)

@@ -2,6 +2,7 @@
 
     sweeps 1-* runs 1-* attempts
                     1-* measurements *-1 diagnostic_sets
+           1-* sweep_names   its tags, algorithms and environments: what it is found by
     events         what changed, in order; what the event stream reads
     random_returns what uniform random actions earn, per environment version
     last_commit    one row: the name of the latest commit
@@ -62,7 +63,18 @@ sweeps = Table(
     Column("cancelled_at", Double),
     Column("paused_at", Double),
     Column("submission_key", Text, unique=True, index=True),
+    Column("notes", Text, nullable=False, default="", server_default=""),
+    Column("archived_at", Double),
     sqlite_autoincrement=True,
+)
+
+sweep_names = Table(
+    "sweep_names",
+    metadata,
+    Column("sweep_number", ForeignKey(sweeps.c.number), primary_key=True),
+    Column("kind", Text, primary_key=True),  # "tag", "algorithm" or "environment"
+    Column("name", Text, primary_key=True),
+    Column("place", Integer, nullable=False),  # in the order that they were given
 )
 
 runs = Table(
@@ -96,6 +108,7 @@ runs = Table(
     Column("checkpoint_timestep", BigInteger, nullable=False, default=0, server_default="0"),
     Column("resumed_timestep", BigInteger),  # NULL until the current attempt's worker says
     Column("memory_bytes", BigInteger),
+    Column("score", Exact),  # of a run that succeeded: its final score, as it was measured
     # Set by a claim, not by what a worker tells: it may be lost between writing and telling.
     Column("may_have_files", Boolean, nullable=False, default=False, server_default=false()),
     UniqueConstraint("sweep_number", "ordinal"),

@@ -23,6 +23,9 @@ declare namespace Api {
   type Statistics = Schemas["StatisticsAnswer"];
   type Surface = Schemas["SurfaceAnswer"];
   type Sweep = Schemas["SweepAnswer"];
+  type ListedSweep = Schemas["ListedSweepAnswer"];
+  /** What a sweep and a row of their list have in common. */
+  type SweepHead = Omit<Sweep, "notes" | "request" | "entries" | "notices">;
   /** What was posted for a sweep. */
   type Request = Partial<Schemas["SweepRequest"]>;
   /** What is asked for of one algorithm. */

@@ -13,12 +13,12 @@ from physics.audit.record import audited
 from service.api.schemas.run_answer import WeightsAnswer
 from service.api.schemas.sweep_request import (
     MAX_LISTED,
-    MAX_NAME,
     MAX_RUNS,
     MAX_SEED,
     MAX_TIMESTEPS,
     MAX_WEIGHT,
 )
+from service.api.schemas.texts import MAX_NAME
 from service.model.environment import EnvironmentFacts, known_environments
 from workers.messages.run_spec import Weights
 

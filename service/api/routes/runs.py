@@ -11,7 +11,7 @@ from service.api.context import TheCheckpoints, TheLabel, TheRun, TheStore, TheS
 from service.api.schemas.number import numbers
 from service.api.schemas.page import Page, PageQuery, page_of, read_cursor
 from service.api.schemas.run_answer import AttemptAnswer, ListedRunAnswer, RunAnswer
-from service.api.schemas.sweep_request import Name
+from service.api.schemas.texts import Name
 from service.model.entry import Entries
 from service.model.run import RunStatus
 from service.store.reading.run_order import By, RunOrder

@@ -182,7 +182,42 @@ class DryRunAnswer(BaseModel):
         )
 
 
-class SweepAnswer(BaseModel):
+class SweepHead(BaseModel):
+    """What lists and answers say of a sweep."""
+
+    id: str
+    name: str
+    created_at: datetime
+    priority: int
+    status: SweepStatus
+    runs: RunCountsAnswer
+    progress: float = Field(
+        description="Share of the asked timesteps that is done, 0 to 1: a run that reached its end "
+        "counts whole, any other as far as it got."
+    )
+    eta_seconds: float | None
+    tags: list[str]
+    archived: bool
+    links: dict[str, str]
+
+
+def head_of(sweep: Sweep) -> dict[str, Any]:
+    """Return the fields of a sweep's head, its links aside."""
+    return {
+        "id": sweep.id,
+        "name": sweep.name,
+        "created_at": as_time(sweep.created_at),
+        "priority": sweep.priority,
+        "status": sweep.status,
+        "runs": RunCountsAnswer.of(sweep.runs),
+        "progress": sweep.progress,
+        "eta_seconds": sweep.eta_seconds,
+        "tags": list(sweep.tags),
+        "archived": sweep.archived,
+    }
+
+
+class SweepAnswer(SweepHead):
     """A sweep as it stands."""
 
     model_config = ConfigDict(
@@ -206,6 +241,9 @@ class SweepAnswer(BaseModel):
                     },
                     "progress": 0.25,
                     "eta_seconds": 310.5,
+                    "tags": ["paper"],
+                    "archived": False,
+                    "notes": "After the *first* look.",
                     "request": {"name": "weights on Pendulum", "seeds": 16},
                     "entries": [
                         {"label": "ddpg", "algorithm": "ddpg"},
@@ -218,21 +256,12 @@ class SweepAnswer(BaseModel):
         }
     )
 
-    id: str
-    name: str
-    created_at: datetime
-    priority: int
-    status: SweepStatus
-    runs: RunCountsAnswer
-    progress: float = Field(
-        description="Share of the asked timesteps that is done, 0 to 1: a run that reached its end "
-        "counts whole, any other as far as it got."
+    notes: str = Field(description="Markdown, shown as text.")
+    request: Mapping[str, Any] = Field(
+        description="What was posted, with the seeds and entries that were added since."
     )
-    eta_seconds: float | None
-    request: Mapping[str, Any] = Field(description="What was posted.")
     entries: list[EntryAnswer] = Field(description="What it compares, in the request's order.")
     notices: list[str] = Field(description=NOTICES_TEXT)
-    links: dict[str, str]
 
     @classmethod
     def of(cls, sweep: Sweep, notices: Sequence[str] = ()) -> Self:
@@ -241,14 +270,8 @@ class SweepAnswer(BaseModel):
         figures = figures_of(sweep.request)
         parts = ("runs", "curves", "table", "statistics", "events", *MOVES)
         return cls(
-            id=sweep.id,
-            name=sweep.name,
-            created_at=as_time(sweep.created_at),
-            priority=sweep.priority,
-            status=sweep.status,
-            runs=RunCountsAnswer.of(sweep.runs),
-            progress=sweep.progress,
-            eta_seconds=sweep.eta_seconds,
+            **head_of(sweep),
+            notes=sweep.notes,
             request=sweep.request,
             entries=[
                 EntryAnswer(label=entry.label, algorithm=entry.algorithm, stated=entry.stated)

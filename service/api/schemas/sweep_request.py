@@ -5,7 +5,6 @@ from typing import Annotated, Any
 
 from pydantic import (
     AfterValidator,
-    BaseModel,
     ConfigDict,
     Discriminator,
     Field,
@@ -15,29 +14,23 @@ from pydantic import (
 )
 
 from algorithms.presets import SMALLEST_WEIGHT
+from service.api.schemas.sweep_edit import (
+    NAME_TEXT,
+    NOTES_TEXT,
+    PRIORITY_TEXT,
+    TAGS_TEXT,
+    Notes,
+    Priority,
+    Tags,
+)
+from service.api.schemas.texts import Name, Request, label_text, storable
 
 MAX_RUNS = 20_000
-MAX_NAME = 200
 MAX_LISTED = 100
 MAX_TIMESTEPS = 100_000_000
 MAX_SEED = 2**53 - 1  # the largest whole number that every JSON reader keeps
 MAX_WEIGHT = 1e6
 MAX_CONFIG_TEXT = 1_000
-
-
-class Request(BaseModel):
-    """A strict request body."""
-
-    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True)
-
-
-def storable(text: str) -> str:
-    """Return text that databases can hold exactly; raises ValueError for what they cannot."""
-    if "\0" in text:
-        raise ValueError("holds the character NUL, which databases cannot store")
-    if any("\ud800" <= character <= "\udfff" for character in text):
-        raise ValueError("is not valid Unicode: it holds half of a surrogate pair")
-    return text
 
 
 def weight(value: float) -> float:
@@ -48,13 +41,6 @@ def weight(value: float) -> float:
     if 0 < value < SMALLEST_WEIGHT:
         raise ValueError(f"is 0 to a learner: give 0, or at least {SMALLEST_WEIGHT}")
     return value + 0.0
-
-
-def label_text(value: str) -> str:
-    """Return a label; raises ValueError for what no table, legend or terminal can show as it is."""
-    if not value.isprintable() or value != value.strip():
-        raise ValueError("a label is printable text without spaces around it")
-    return value
 
 
 def config_value(value: object) -> object:
@@ -95,8 +81,6 @@ def _one_or_list(value: object) -> str:
     return "<list>" if isinstance(value, list) else "<one>"
 
 
-Text = Annotated[str, AfterValidator(storable)]
-Name = Annotated[Text, Field(min_length=1, max_length=MAX_NAME)]
 Label = Annotated[Name, AfterValidator(label_text)]
 Listed = Field(min_length=1, max_length=MAX_LISTED)
 Weight = Annotated[float, Field(ge=0, le=MAX_WEIGHT), AfterValidator(weight)]
@@ -187,7 +171,9 @@ class SweepRequest(Request):
         }
     )
 
-    name: Name = Field(default="sweep", description="Any text; shown and stored exactly as it is.")
+    name: Name = Field(default="sweep", description=NAME_TEXT)
+    notes: Notes = Field(default="", description=NOTES_TEXT)
+    tags: Tags = Field(default=[], description=TAGS_TEXT)
     algorithms: list[AlgorithmRequest] = Field(min_length=1, max_length=MAX_LISTED)
     environments: list[Name] = Field(min_length=1, max_length=MAX_LISTED)
     seeds: Annotated[
@@ -209,4 +195,4 @@ class SweepRequest(Request):
         description="Share of those timesteps to run, for a quick look; at least one measurement. "
         "A list is a grid.",
     )
-    priority: int = Field(default=0, ge=-1000, le=1000, description="Higher goes first.")
+    priority: Priority = Field(default=0, description=PRIORITY_TEXT)

@@ -10,7 +10,7 @@ from service.api.submission.check import cap_faults, label_faults, name_faults, 
 from service.api.submission.grid_faults import zip_faults
 from service.api.submission.memory import memory_faults
 from service.api.submission.same_curve import notices, repetition_faults
-from service.model.entry import Entries, Entry
+from service.model.entry import Entries, Entry, Json
 from service.model.plan import Plan
 from workers.messages.run_spec import RunSpec, Weights
 
@@ -23,8 +23,7 @@ def plan(request: SweepRequest, worker_memory: int) -> Plan:
     fill more than the worker's memory.
     """
     posted = request.model_dump(mode="json", exclude_unset=True)
-    _refuse(list(zip_faults(posted)))
-    _refuse(cap_faults(request, posted))
+    _refuse(_grid_faults(request, posted))
     seeds = range(request.seeds) if isinstance(request.seeds, int) else tuple(request.seeds)
     entries = Entries(posted)
     cells = [
@@ -46,6 +45,22 @@ def plan(request: SweepRequest, worker_memory: int) -> Plan:
         seeds=seeds,
         notices=tuple(notices(cells)),
     )
+
+
+def part_faults(request: SweepRequest) -> list[Fault]:
+    """Return what is wrong with the parts of a sweep, each looked at by itself."""
+    posted = request.model_dump(mode="json", exclude_unset=True)
+    return _grid_faults(request, posted) or [
+        *name_faults(request),
+        *product_faults(request, posted, Entries(posted).all),
+    ]
+
+
+def _grid_faults(request: SweepRequest, posted: Json) -> list[Fault]:
+    """Return why a sweep's grids cannot be expanded, and what else is seen without doing so."""
+    if unlike := list(zip_faults(posted)):
+        return [*unlike, *name_faults(request)]
+    return cap_faults(request, posted)
 
 
 def _refuse(faults: Sequence[Fault]) -> None:

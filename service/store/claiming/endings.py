@@ -15,6 +15,7 @@ from service.store.claiming.claims import has_ended, held_rows, held_runs, of_at
 from service.store.claiming.retry import RetryPolicy
 from service.store.column_types import now
 from service.store.reading import events
+from service.store.reading.final_score import final_score
 from service.store.tables import attempts, runs
 
 STOPPED = "cancelled while it was running"
@@ -96,7 +97,15 @@ def end(connection: Connection, endings: Sequence[Ending]) -> None:
     if endings:
         stop = update(runs).where(of_run).values(**GIVEN_UP, finished_at=now())
         connection.execute(stop, [_moved(ending) for ending in endings])
+        _score(connection, [e.row.number for e in endings if e.status is RunStatus.SUCCEEDED])
         _tell(connection, endings)
+
+
+def _score(connection: Connection, numbers: Sequence[int]) -> None:
+    """Write the final scores of runs that have just succeeded."""
+    if numbers:
+        score = update(runs).where(runs.c.number.in_(numbers)).values(score=final_score())
+        connection.execute(score)
 
 
 def _lose(

@@ -19,7 +19,7 @@ COLUMNS = ("sweep_number", "kind", "payload", "created_at")
 
 
 def sweep_changed(sweep_number: int, sweep_id: str, change: str) -> Change:
-    """Return the entry for a sweep that was created, cancelled, paused, resumed or retried."""
+    """Return the entry for a sweep that was created, edited or moved."""
     payload = {"sweep_id": sweep_id, "change": change}
     return {"sweep_number": sweep_number, "kind": "sweep", "payload": payload}
 

@@ -19,9 +19,10 @@ from sqlalchemy import (
 from service.model.run import ACTIVE, RunStatus
 from service.model.sweep import RunCounts, Sweep, SweepStatus
 from service.store.column_types import now
-from service.store.reading import events, random_returns
+from service.store.reading import events, random_returns, sweep_names
 from service.store.reading.rows import noun_of
 from service.store.reading.runs import columns_of
+from service.store.reading.sweep_search import EVERY, SweepSearch
 from service.store.refusal import NotFoundError, SubmissionKeyReusedError
 from service.store.tables import runs, sweeps
 from workers.messages.run_spec import RunSpec
@@ -35,6 +36,8 @@ def create(
     specs: Sequence[RunSpec],
     *,
     entries: Sequence[int] | None = None,
+    notes: str = "",
+    tags: Sequence[str] = (),
     environment_versions: Mapping[str, int],
     submission_key: str | None = None,
 ) -> Sweep:
@@ -52,12 +55,20 @@ def create(
             return earlier
     sweep_id = secrets.token_hex(6)
     heading = insert(sweeps).values(
-        id=sweep_id, name=name, priority=priority, request=request, submission_key=submission_key
+        id=sweep_id,
+        name=name,
+        priority=priority,
+        request=request,
+        submission_key=submission_key,
+        notes=notes,
     )
     number = connection.execute(heading.returning(sweeps.c.number)).scalar_one()
     connection.execute(
         insert(runs), _rows(number, specs, entries or [0] * len(specs), environment_versions)
     )
+    sweep_names.add(connection, number, "tag", tags)
+    sweep_names.add(connection, number, "algorithm", [spec.algorithm for spec in specs])
+    sweep_names.add(connection, number, "environment", [spec.environment for spec in specs])
     events.append(connection, [events.sweep_changed(number, sweep_id, "created")])
     return get(connection, sweep_id)
 
@@ -100,7 +111,9 @@ def _submitted(connection: Connection, key: str, request: Mapping[str, Any]) -> 
 def find(connection: Connection, sweep_id: str) -> Sweep | None:
     """Return one sweep, or None."""
     row = connection.execute(_summaries(sweeps.c.id == sweep_id)).one_or_none()
-    return None if row is None else _sweep(row)
+    if row is None:
+        return None
+    return _sweep(row, sweep_names.tags(connection, [row.number]))
 
 
 def get(connection: Connection, sweep_id: str) -> Sweep:
@@ -127,14 +140,22 @@ def version(connection: Connection, sweep_id: str) -> str | None:
     return None if last is None else f"{last}-{zeros!r}"
 
 
-def page(connection: Connection, after: str | None = None, limit: int = 50) -> list[Sweep]:
-    """Return sweeps, newest first, from the one that follows the sweep named `after`."""
-    numbers = select(sweeps.c.number).order_by(sweeps.c.number.desc()).limit(limit)
+def page(
+    connection: Connection,
+    after: str | None = None,
+    limit: int = 50,
+    search: SweepSearch = EVERY,
+) -> list[Sweep]:
+    """Return sweeps that a search finds, newest first, from the one after that named `after`."""
+    found = select(sweeps.c.number).where(*search.conditions())
+    found = found.order_by(sweeps.c.number.desc()).limit(limit)
     if after is not None:
         last = select(sweeps.c.number).where(sweeps.c.id == after).scalar_subquery()
-        numbers = numbers.where(sweeps.c.number < last)
+        found = found.where(sweeps.c.number < last)
+    numbers = list(connection.scalars(found))
     query = _summaries(sweeps.c.number.in_(numbers)).order_by(sweeps.c.number.desc())
-    return [_sweep(row) for row in connection.execute(query)]
+    tags = sweep_names.tags(connection, numbers)
+    return [_sweep(row, tags) for row in connection.execute(query)]
 
 
 def _summaries(condition: ColumnElement[bool]) -> Select[Any]:
@@ -161,7 +182,7 @@ def _summaries(condition: ColumnElement[bool]) -> Select[Any]:
     )
 
 
-def _sweep(row: Row[Any]) -> Sweep:
+def _sweep(row: Row[Any], tags: Mapping[int, Sequence[str]]) -> Sweep:
     counts = RunCounts(**{status.value: getattr(row, status.value) for status in RunStatus})
     eta = None
     if counts.active == 0:
@@ -175,6 +196,8 @@ def _sweep(row: Row[Any]) -> Sweep:
         runs=counts,
         progress=float(row.done) / float(row.asked),
         eta_seconds=eta,
+        tags=tuple(tags.get(row.number, ())),
+        archived=row.archived_at is not None,
     )
 
 

@@ -4,7 +4,7 @@ from service.client import Client
 from service.store.store import Store
 from tests.service.cli.conftest import Command, as_json
 from tests.service.conftest import SWEEP, changed
-from tests.service.training import rising, train
+from tests.service.training import RANDOM, random_return, rising, train
 from workers.messages.progress import Activity, Progress, Resumption
 
 
@@ -14,7 +14,13 @@ def test_sweeps_are_lines_newest_first(d3pg: Command, service: Client) -> None:
     heading, *lines = d3pg("ls").stdout.splitlines()
     assert heading.split("\t")[:3] == ["sweep", "status", "done"]
     assert [line.split("\t")[0] for line in lines] == [second.id, first.id]
-    assert lines[1].split("\t")[4:] == ["12 queued", lines[1].split("\t")[5], "[red]tab here"]
+    assert lines[1].split("\t")[4:9] == [
+        "12 queued",
+        lines[1].split("\t")[5],
+        "[red]tab here",
+        "ddpg, hybrid-ddpg",
+        "MassPoint, Pendulum",
+    ]
     assert as_json(d3pg("ls", "--json"))["items"][0]["id"] == second.id
 
 
@@ -38,8 +44,27 @@ def test_runs_are_filtered(d3pg: Command, service: Client, store: Store) -> None
     assert len(d3pg("ls", sweep.id, "--status", "failed").stdout.splitlines()) == 1
 
 
-def test_filters_are_for_runs(d3pg: Command) -> None:
-    assert "name a SWEEP" in d3pg("ls", "--algorithm", "ddpg", code=2).stderr
+def test_sweeps_are_searched(d3pg: Command, service: Client) -> None:
+    found = service.submit(changed(name="Horizons", tags=["paper"], algorithms=[{"name": "sac"}]))
+    other = service.submit(changed(name="other"))
+    for option in (("-q", "horizon"), ("--tag", "paper"), ("--algorithm", "sac")):
+        assert [each["id"] for each in as_json(d3pg("ls", *option, "--json"))["items"]] == [
+            found.id
+        ]
+    service.edit(other.id, archived=True)
+    assert d3pg("ls").stdout.count(other.id) == 0
+    assert d3pg("ls", "--archived").stdout.count(other.id) == 1
+    assert "are for sweeps" in d3pg("ls", found.id, "--tag", "paper", code=2).stderr
+    assert "status: Input should be" in str(d3pg("ls", "--status", "nope", code=1).exception)
+
+
+def test_a_row_tells_the_best_curve(d3pg: Command, service: Client, store: Store) -> None:
+    for environment in ("MassPoint", "Pendulum"):
+        store.record_random_return(random_return(environment, RANDOM))
+    service.submit(SWEEP)
+    assert "in MassPoint)" not in d3pg("ls").stdout
+    train(store, 5, rising)
+    assert "(hybrid-ddpg in MassPoint)" in d3pg("ls").stdout
 
 
 def test_a_sweep_and_a_run_are_shown(d3pg: Command, service: Client, store: Store) -> None:

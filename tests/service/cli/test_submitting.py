@@ -3,7 +3,8 @@
 import pytest
 import typer
 
-from service.cli.submitting import algorithm_of, duration
+from service.cli.algorithm_option import algorithm_of
+from service.cli.submitting import duration
 from service.client import Client
 from tests.service.cli.conftest import Command, as_json
 
@@ -20,6 +21,54 @@ def test_weights_stand_behind_a_colon() -> None:
     }
     with pytest.raises(typer.BadParameter, match="NAME:W1,W2"):
         algorithm_of("hybrid-ddpg:0.1")
+
+
+def test_settings_and_grids_stand_behind_colons() -> None:
+    assert algorithm_of("ddpg:noise=0.1,0.2:tau=1e-2:label=mine") == {
+        "name": "ddpg",
+        "config": {"noise": [0.1, 0.2], "tau": 0.01},
+        "label": "mine",
+    }
+    assert algorithm_of("hybrid-sac:w1=0,1:w2=0.1:rate=1e-3,1e-4:zip=w1,rate") == {
+        "name": "hybrid-sac",
+        "weights": {"w1": [0, 1], "w2": 0.1},
+        "config": {"rate": [0.001, 0.0001]},
+        "zip": ["w1", "rate"],
+    }
+    assert algorithm_of("sac:temperature=learned") == {
+        "name": "sac",
+        "config": {"temperature": "learned"},
+    }
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("ddpg:noise=1:noise=2", "names noise twice"),
+        ("ddpg:1,2:w1=3", "names w1 twice"),
+        ("ddpg:w1=3:1,2", "names weights twice"),
+        ("ddpg:=3", "what has no name"),
+        ("ddpg:", "neither W1,W2 nor"),
+    ],
+)
+def test_what_is_no_algorithm_says_how_to_write_one(text: str, says: str) -> None:
+    with pytest.raises(typer.BadParameter, match=says) as refused:
+        algorithm_of(text)
+    assert "as in hybrid-ddpg:0.1,0.01" in str(refused.value)
+
+
+def test_a_grid_of_flags(d3pg: Command) -> None:
+    flags = ("-a", "ddpg:noise=0.1,0.2", "-e", "Pendulum", "--seeds", "0,5", "--scale", "0.1,0.2")
+    said = d3pg("submit", *flags, "--dry-run").stdout
+    assert "4 x 1 x 2 seeds = 8 runs, about" in said
+    answer = as_json(d3pg("submit", *flags, "--tag", "a", "--notes", "n", "--json"))
+    assert [entry["label"] for entry in answer["entries"]] == [
+        "ddpg noise=0.1 scale=0.1",
+        "ddpg noise=0.1 scale=0.2",
+        "ddpg noise=0.2 scale=0.1",
+        "ddpg noise=0.2 scale=0.2",
+    ]
+    assert (answer["tags"], answer["notes"], answer["request"]["seeds"]) == (["a"], "n", [0, 5])
 
 
 @pytest.mark.parametrize(
@@ -57,6 +106,7 @@ def test_a_dry_run_counts_and_estimates(d3pg: Command, service: Client) -> None:
     assert lines[2] == "2 runs, 1,600 timesteps; nothing was queued."
     assert "of one core" in lines[3]
     assert "on the 2 workers here" in lines[3]
+    assert lines[5].startswith("1 x 1 x 2 seeds = 2 runs, about")
     assert as_json(d3pg("submit", "-", "--dry-run", "--json", stdin=YAML))["runs"]["total"] == 2
     assert list(service.sweeps()) == []
 

@@ -57,6 +57,14 @@ def test_a_scalar_is_what_it_looks_like(tmp_path: Path, text: str, value: object
     assert type(found) is type(value)
 
 
+@pytest.mark.parametrize(
+    "content", ["seeds: 1\nname: x\nseeds: 2\n", "a: [{w1: 1,\n w1: 2}]", "a: 1\n'a': 2"]
+)
+def test_a_key_that_is_there_twice_is_refused(tmp_path: Path, content: str) -> None:
+    with pytest.raises(typer.BadParameter, match=r"is there twice, at first in line 1"):
+        read(tmp_path, content)
+
+
 def test_what_stands_twice_may_be_named(tmp_path: Path) -> None:
     found = read(tmp_path, "a: &usual {noise: 1e-1}\nb: {<<: *usual, gamma: 0.9}\n")
     assert found["b"] == {"noise": 0.1, "gamma": 0.9}

@@ -10,7 +10,7 @@ import { text, View } from "../parts/view.js";
 import { Submission } from "../submit/submission.js";
 import { cancelSweep } from "../sweep/moves.js";
 import { percent } from "../texts/format.js";
-import { isActive, stateText, summary } from "../texts/sweep.js";
+import { isActive, rowSummary, stateText } from "../texts/sweep.js";
 
 const PAGE = 50;
 
@@ -40,8 +40,8 @@ async function load(signal) {
 }
 
 /**
- * @param {Api.Sweep} first
- * @returns {{ node: HTMLElement, update: (sweep: Api.Sweep) => void }}
+ * @param {Api.ListedSweep} first
+ * @returns {{ node: HTMLElement, update: (sweep: Api.ListedSweep) => void }}
  */
 function row(first) {
   let sweep = first;
@@ -66,7 +66,7 @@ function row(first) {
       "th",
       { scope: "row" },
       element("a", { href: `/sweeps/${sweep.id}` }, sweep.name),
-      element("span", { class: "muted" }, summary(sweep)),
+      element("span", { class: "muted" }, rowSummary(sweep)),
     ),
     element("td", { class: "progress-cell" }, bar, element("p", {}, done, " ", left)),
     element("td", {}, counts),
@@ -74,7 +74,7 @@ function row(first) {
     element("td", { class: "actions-cell" }, cancel),
   );
   bar.setAttribute("aria-label", `Progress of ${sweep.name}`);
-  const update = (/** @type {Api.Sweep} */ latest) => {
+  const update = (/** @type {Api.ListedSweep} */ latest) => {
     sweep = latest;
     bar.value = sweep.progress;
     setText(done, percent(sweep.progress));

@@ -9,7 +9,7 @@ const STATUSES = ["running", "queued", "paused", "succeeded", "failed", "diverge
  * A list of "3 running" entries that keeps up with a sweep's counts; statuses of 0 are left out.
  *
  * @param {HTMLElement} list
- * @returns {(sweep: Api.Sweep) => void}
+ * @returns {(sweep: Api.SweepHead) => void}
  */
 export function statusCounts(list) {
   const show = keyed(

@@ -6,7 +6,7 @@ import { counted } from "../texts/format.js";
 /**
  * Cancel a sweep if the person means it. Throws Refusal.
  *
- * @param {Api.Sweep} sweep
+ * @param {Api.SweepHead} sweep
  * @returns {Promise<boolean>}
  */
 export async function cancelSweep(sweep) {

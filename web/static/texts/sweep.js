@@ -26,9 +26,20 @@ export function summary(sweep) {
 }
 
 /**
+ * "2 learners × 8 environments × 16 seeds", of a row of the list.
+ *
+ * @param {Api.ListedSweep} sweep
+ * @returns {string}
+ */
+export function rowSummary({ entry_count: entries, environments, seeds }) {
+  const parts = [counted(entries, "learner"), counted(environments.length, "environment")];
+  return [...parts, counted(seeds, "seed")].join(" × ");
+}
+
+/**
  * Whether there is anything left to cancel.
  *
- * @param {Api.Sweep} sweep
+ * @param {Api.SweepHead} sweep
  * @returns {boolean}
  */
 export function isActive({ runs }) {
@@ -38,7 +49,7 @@ export function isActive({ runs }) {
 /**
  * "about 3 min left", "paused", or how it ended: "finished" only if every run did.
  *
- * @param {Api.Sweep} sweep
+ * @param {Api.SweepHead} sweep
  * @returns {string}
  */
 export function stateText(sweep) {

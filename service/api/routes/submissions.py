@@ -1,0 +1,74 @@
+"""Submitting a sweep, or only asking what that would be."""
+
+from http import HTTPStatus
+from typing import Annotated
+
+from fastapi import APIRouter, Header, Query, Response
+from fastapi.responses import JSONResponse
+
+from service.analysis.cost import cell_costs
+from service.api.context import TheStore, TheWorkerMemory, TheWorkforce
+from service.api.problems import Fault, InvalidRequest
+from service.api.schemas.sweep_answer import DryRunAnswer, SweepAnswer
+from service.api.schemas.sweep_request import SweepRequest
+from service.api.submission.plan import plan
+from service.api.submission.route import SubmissionRoute
+from service.store.refusal import SubmissionKeyReusedError
+
+router = APIRouter(prefix="/sweeps", tags=["sweeps"], route_class=SubmissionRoute)
+
+SubmissionKey = Annotated[
+    str | None,
+    Header(
+        min_length=1,
+        max_length=255,
+        pattern=r"^[\x20-\x7e]+$",
+        description="A text of the client's own, new for every sweep: makes a retry safe.",
+    ),
+]
+
+
+@router.post(
+    "",
+    status_code=HTTPStatus.ACCEPTED,
+    response_model=SweepAnswer,
+    responses={200: {"model": DryRunAnswer, "description": "With `dry_run=true`."}},
+)
+def submit_sweep(
+    request: SweepRequest,
+    response: Response,
+    store: TheStore,
+    workforce: TheWorkforce,
+    worker_memory: TheWorkerMemory,
+    dry_run: Annotated[
+        bool, Query(description="Only say what would be queued, and about what it would cost.")
+    ] = False,
+    idempotency_key: SubmissionKey = None,
+) -> SweepAnswer | JSONResponse:
+    """Queue a sweep: all of its runs in one transaction, or none.
+
+    Submitted again under the same `Idempotency-Key`, it is the same sweep, for as long as that is
+    kept; the key with another request is refused.
+    """
+    planned = plan(request, worker_memory)
+    if dry_run:
+        past = store.past_costs(planned.algorithms, planned.environment_versions)
+        costs = cell_costs(planned.cells, len(planned.seeds), past)
+        answer = DryRunAnswer.of(planned, costs, len(workforce.workers))
+        return JSONResponse(answer.model_dump(mode="json"))
+    try:
+        sweep = store.create_sweep(
+            request.name,
+            request.priority,
+            request.model_dump(mode="json", exclude_unset=True),
+            planned.specs(),
+            entries=planned.places(),
+            notes=request.notes,
+            tags=request.tags,
+            environment_versions=planned.environment_versions,
+            submission_key=idempotency_key,
+        )
+    except SubmissionKeyReusedError as refusal:
+        raise InvalidRequest([Fault("Idempotency-Key", str(refusal))]) from refusal
+    response.headers["Location"] = f"/api/v1/sweeps/{sweep.id}"
+    return SweepAnswer.of(sweep, planned.notices)
