@@ -55,6 +55,7 @@ if TYPE_CHECKING:
 API = "/api/v1"
 
 Option = str | bool | int
+FigureOption = Option | float | list[str]
 TableText = Literal["csv", "markdown", "latex"]
 Answer = TypeVar("Answer", bound=BaseModel)
 Request = SweepRequest | Mapping[str, Any]
@@ -391,7 +392,7 @@ class Client:
         sweep_id: str,
         form: Form = "png",
         number: FigureNumber | None = None,
-        **options: Option,
+        **options: FigureOption,
     ) -> bytes:
         """A figure as the bytes of a file.
 
@@ -399,11 +400,16 @@ class Client:
             sweep_id: the sweep.
             form: "png", "svg" or "pdf".
             number: which of the paper's figures, "2" to "6"; by default every curve of the sweep.
-            options: query parameters of `GET /sweeps/{id}/plot.{form}` or
-                `GET /sweeps/{id}/figures/{number}.{form}`.
+            options: query parameters of `GET /sweeps/{id}/plot.{form}`, such as
+                `metric=["return_mean"]`, `entry=["ddpg", "hybrid-ddpg"]`, `band="ci95"` or
+                `columns=1`; the paper's figures take none.
         """
         name = f"plot.{form}" if number is None else f"figures/{number}.{form}"
         return self._call("GET", f"/sweeps/{sweep_id}/{name}", params=options).content
+
+    def figure_data(self, sweep_id: str, **options: FigureOption) -> str:
+        """The numbers of `figure` with the same options, as CSV: a line a point."""
+        return self._call("GET", f"/sweeps/{sweep_id}/plot.csv", params=options).text
 
     def rollout(self, run_id: str, seed: int = 0) -> RolloutAnswer:
         """An episode of a run's learned policy, from the start that the task draws for `seed`."""

@@ -30,6 +30,7 @@ from sqlalchemy.exc import DBAPIError
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 
+from service.api.shell import address_of, problem_page, wants_page
 from service.store.refusal import ImpossibleMoveError
 from service.store.upkeep.trouble import AFTERWARDS, Trouble, find_trouble
 
@@ -175,7 +176,7 @@ def install_problem_handlers(app: FastAPI, refuse_invalid: Handler) -> None:
         logger=log,
         unhandled_wrappers={"default": InternalError},
         handlers={DBAPIError: _tell_trouble},
-        post_hooks=[_add_request_id],
+        post_hooks=[_add_request_id, _show_to_people],
         request_validation_handler=refuse_invalid,
     )
     add_exception_handler(app, handler)
@@ -214,3 +215,14 @@ def _add_request_id(
     document["request_id"] = correlation_id.get()
     response.body = json.dumps(document, allow_nan=False).encode()
     return document, response
+
+
+def _show_to_people(
+    document: dict[str, Any], request: Request, response: JSONResponse
+) -> tuple[dict[str, Any], Response]:
+    """Make a page of it where a person's browser asked for one."""
+    if not wants_page(request):
+        return document, response
+    detail = document.get("detail") or f"{request.url.path}: {document['title']}"
+    wanted = address_of(request)
+    return document, problem_page(response.status_code, document["title"], detail, wanted)

@@ -12,18 +12,17 @@ covered without its author knowing of this file.
 """
 
 import hmac
-from collections.abc import Mapping
-from html import escape
 from http import HTTPStatus
 from urllib.parse import urlsplit
 
-from starlette.datastructures import Headers, MutableHeaders
+from starlette.datastructures import MutableHeaders
 from starlette.requests import HTTPConnection
-from starlette.responses import HTMLResponse, Response
+from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.api.access_token import session_cookie
 from service.api.problems import problem_response
+from service.api.shell import address_of, problem_page, wants_page
 from service.settings import Settings
 
 PUBLIC_PATHS = frozenset({"/healthz", "/signin"})
@@ -73,21 +72,21 @@ class Guard:
         host = request.headers.get("host", "")
         if host_name(host) not in self.allowed_hosts:
             return refusal_response(
-                request.headers,
+                request,
                 HTTPStatus.FORBIDDEN,
                 f"This service does not answer to the host {host[:200]!r}. If it is a name of this "
                 "machine, start the service with D3PG_ALLOW_HOST (--allow-host) naming it.",
             )
         if not comes_from_us(request):
             return refusal_response(
-                request.headers,
+                request,
                 HTTPStatus.FORBIDDEN,
                 "A page of another site asked for this; the service answers its own pages only.",
             )
         if is_public(request.scope["path"]) or self._is_signed_in(request):
             return None
         return refusal_response(
-            request.headers,
+            request,
             HTTPStatus.UNAUTHORIZED,
             "Not signed in. In a browser, open the sign-in link that the service prints when it "
             "starts; elsewhere send 'Authorization: Bearer TOKEN'. `d3pg token` prints the token.",
@@ -140,18 +139,19 @@ def is_equal_secret(given: str, secret: str) -> bool:
     return hmac.compare_digest(given.encode(errors="replace"), secret.encode())
 
 
-def refusal_response(headers: Headers, status: HTTPStatus, detail: str) -> Response:
-    """Return a refusal as a page for people, as a problem for programs."""
-    extra: Mapping[str, str] = (
-        {"WWW-Authenticate": "Bearer"} if status is HTTPStatus.UNAUTHORIZED else {}
-    )
-    if "text/html" not in headers.get("accept", ""):
-        return problem_response(status, detail, extra)
-    page = (
-        '<!doctype html><html lang="en"><meta charset="utf-8"><title>d3pg</title>'
-        f"<h1>{status.phrase}</h1><p>{escape(detail)}</p></html>"
-    )
-    return HTMLResponse(page, status, dict(extra))
+def refusal_response(
+    request: HTTPConnection, status: HTTPStatus, detail: str, wanted: str | None = None
+) -> Response:
+    """Return a refusal as a page for people, as a problem for programs.
+
+    Who signs in on the page is led on to the address that was `wanted`: of the request, if None.
+    """
+    is_stranger = status is HTTPStatus.UNAUTHORIZED
+    headers = {"WWW-Authenticate": "Bearer"} if is_stranger else {}
+    if not wants_page(request):
+        return problem_response(status, detail, headers)
+    title = "Not signed in" if is_stranger else status.phrase
+    return problem_page(status, title, detail, wanted or address_of(request), headers)
 
 
 def _with_security_headers(send: Send) -> Send:

@@ -12,11 +12,11 @@ from typing import Annotated, Any
 
 import typer
 
-from service.analysis.figures.figure_form import MEDIA_TYPES
 from service.analysis.figures.paper_figure import FigureNumber
 from service.analysis.statistics.score import Score
 from service.api.schemas.run_answer import RunAnswer
 from service.api.schemas.score_table_answer import StandingAnswer, inert
+from service.cli.drawing import form_of
 from service.cli.terminal import AsJson, Identifier, SweepId, print_json, print_table, say
 from service.client import Client, TableText
 from service.model.run_name import is_run
@@ -126,9 +126,7 @@ def plot(
     as_json: AsJson = False,
 ) -> None:
     """Save the curves of a sweep, or one of the paper's figures of it, as a file."""
-    form = next((form for form in MEDIA_TYPES if output.suffix.lower() == f".{form}"), None)
-    if form is None:
-        raise typer.BadParameter(f"{output} must end in .png, .svg or .pdf", param_hint="--output")
+    form = form_of(output)
     if figure is not None and raw:
         raise typer.BadParameter("the scale of the paper's figures is given", param_hint="--raw")
     with Client() as client:

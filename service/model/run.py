@@ -64,6 +64,8 @@ class Run:
     checkpoint_timestep of its newest checkpoint; 0 where there is none, as after its end
     resumed_timestep    where the current attempt took it up; None until its worker says
     memory_bytes        that it may come to fill in its worker; None until that is known
+    worked_seconds      how long workers have worked on it, waits between attempts left out; None
+                        before the first attempt has ended
     score               its final score, raw; NaN unless it succeeded
     """
 
@@ -84,6 +86,7 @@ class Run:
     checkpoint_timestep: int
     resumed_timestep: int | None
     memory_bytes: int | None
+    worked_seconds: float | None
     score: float
 
 

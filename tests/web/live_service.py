@@ -142,7 +142,12 @@ class LiveService:
             "timesteps": timesteps,
         }
         versions = {each: environment_facts(each).version for each in environments}
-        return self.store.create_sweep(name, 0, request, specs, environment_versions=versions)
+        entries = [
+            place for _ in environments for place in range(len(learners)) for _ in range(seeds)
+        ]
+        return self.store.create_sweep(
+            name, 0, request, specs, entries=entries, environment_versions=versions
+        )
 
     def train(self, start: int, end: int) -> None:
         """Claim what is queued, and train every claimed run from one timestep to another."""

@@ -5,7 +5,7 @@ import time
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.web.live_service import LiveService
+from tests.web.live_service import TOKEN, LiveService
 
 pytestmark = pytest.mark.browser
 
@@ -71,7 +71,7 @@ def test_a_refused_stream_is_opened_again(
     signed_in: Page, live: LiveService, complaints: list[str]
 ) -> None:
     sweep = live.add_sweep()
-    path = f"/api/v1/sweeps/{sweep.id}/events"
+    path = "/api/v1/events"
     live.trouble.failing[path] = 502
     signed_in.goto(f"{live.url}/sweeps/{sweep.id}")
     expect(signed_in.locator("#connection")).to_have_text("Offline")
@@ -96,6 +96,96 @@ def test_fetches_are_coalesced(signed_in: Page, live: LiveService) -> None:
         signed_in.wait_for_timeout(100)
     seconds = time.monotonic() - begun
     curves = live.trouble.requests.count(f"/api/v1/sweeps/{sweep.id}/curves")
-    streams = live.trouble.requests.count(f"/api/v1/sweeps/{sweep.id}/events")
+    streams = sum(path.endswith("/events") for path in live.trouble.requests)
     assert 3 <= curves <= 2 * seconds + 1  # two fetches a second at most, for ten changes a second
     assert streams == 0
+
+
+def test_any_number_of_tabs_stay_live(signed_in: Page, live: LiveService) -> None:
+    """A browser opens six connections to a host: tabs with a stream each would use them up."""
+    sweep = live.add_sweep()
+    live.train(0, 4000)
+    tabs = [signed_in, *(signed_in.context.new_page() for _ in range(8))]
+    for tab in tabs:
+        tab.goto(f"{live.url}/sweeps/{sweep.id}?table=Pendulum")
+        expect(tab.locator("#connection")).to_have_text("Live")
+    live.train(4000, 8000)
+    for tab in tabs:
+        rows = tab.get_by_role("figure", name="Pendulum").locator("tbody tr")
+        expect(rows).to_have_count(10)
+    assert live.trouble.requests.count("/api/v1/events") <= 2  # of the list's page, and of these
+
+
+def test_a_tab_that_is_closed_leaves_the_others_their_stream(
+    signed_in: Page, live: LiveService
+) -> None:
+    sweep = live.add_sweep()
+    first = signed_in.context.new_page()
+    for tab in (first, signed_in):
+        tab.goto(f"{live.url}/sweeps/{sweep.id}")
+        expect(tab.locator("#connection")).to_have_text("Live")
+    first.close()
+    live.train(0, 4000)
+    expect(signed_in.locator("#counts")).to_have_text("16 running")
+
+
+def test_a_browser_without_shared_workers_has_a_stream_all_the_same(
+    signed_in: Page, live: LiveService
+) -> None:
+    signed_in.add_init_script("delete globalThis.SharedWorker")
+    sweep = live.add_sweep()
+    signed_in.goto(f"{live.url}/sweeps/{sweep.id}")
+    expect(signed_in.locator("#connection")).to_have_text("Live")
+    live.train(0, 4000)
+    expect(signed_in.locator("#counts")).to_have_text("16 running")
+
+
+def test_a_changed_token_is_told_with_a_way_to_sign_in(
+    signed_in: Page, live: LiveService, complaints: list[str]
+) -> None:
+    sweep = live.add_sweep()
+    live.train(0, 4000)
+    signed_in.goto(f"{live.url}/sweeps/{sweep.id}?band=iqr")
+    expect(signed_in.locator("#connection")).to_have_text("Live")
+    signed_in.context.clear_cookies()
+    expect(signed_in.locator("#connection")).to_have_text("Signed out")
+    signed_in.locator("#banner").get_by_role("link", name="Sign in").click()
+    expect(signed_in.get_by_role("heading", level=1)).to_have_text("Not signed in")
+    signed_in.get_by_label("Token").fill("not the token")
+    signed_in.get_by_role("button", name="Sign in").click()
+    expect(signed_in.locator("main")).to_contain_text("not (or no longer) valid")
+    signed_in.get_by_label("Token").fill(TOKEN)
+    signed_in.get_by_role("button", name="Sign in").click()
+    expect(signed_in.get_by_role("heading", level=1)).to_have_text("first look")
+    assert signed_in.url == f"{live.url}/sweeps/{sweep.id}?band=iqr"
+    assert all("401" in complaint for complaint in complaints)
+    complaints.clear()
+
+
+def test_an_address_that_leads_nowhere_is_a_page(
+    signed_in: Page, live: LiveService, complaints: list[str]
+) -> None:
+    signed_in.goto(f"{live.url}/nopage")
+    expect(signed_in.get_by_role("heading", level=1)).to_have_text("Not Found")
+    signed_in.get_by_role("link", name="To the list of sweeps").click()
+    expect(signed_in.get_by_role("heading", level=1)).to_have_text("Sweeps")
+    assert all("404" in complaint for complaint in complaints)
+    complaints.clear()
+
+
+@pytest.mark.parametrize("asked", ["?metric=nope", "/runs?after=nope"])
+def test_what_cannot_be_had_is_told_and_not_asked_for_again(
+    signed_in: Page, live: LiveService, complaints: list[str], asked: str
+) -> None:
+    sweep = live.add_sweep()
+    live.train(0, 4000)
+    signed_in.goto(f"{live.url}/sweeps/{sweep.id}{asked}")
+    expect(signed_in.locator("#loading")).to_contain_text("or reset the view")
+    expect(signed_in.locator("#loading")).to_contain_text(
+        "metric" if "metric" in asked else "after"
+    )
+    expect(signed_in.locator("#banner")).to_be_hidden()
+    signed_in.get_by_role("button", name="Reset view").click()
+    expect(signed_in.locator("#loading")).to_be_hidden()
+    assert all("422" in complaint for complaint in complaints)
+    complaints.clear()

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page
 
-from service.analysis.figures.palette import BLUE, COLOURS, colour
+from service.analysis.figures.palette import BLUE, COLOURS, OTHERS, colour, shades
 
 pytestmark = pytest.mark.browser
 
@@ -24,11 +24,41 @@ def address(page: Page, module: str) -> str:
 
 def test_smoothing_is_the_debiased_average(signed_in: Page) -> None:
     values = [3.0, None, 1.0, 2.0]
-    smoothed = call(signed_in, "charts/smoothing", "smooth", values, 0.5)
+    smoothed = call(signed_in, "charts/y_scale", "smooth", values, 0.5)
     # m_1 = 1.5, m_2 = 1.25, m_3 = 1.625 over 1 - 2^-k
     assert smoothed == [3.0, None, pytest.approx(1.25 / 0.75), pytest.approx(1.625 / 0.875)]
-    assert call(signed_in, "charts/smoothing", "smooth", [7.0] * 5, 0.9) == pytest.approx([7.0] * 5)
-    assert call(signed_in, "charts/smoothing", "smooth", values, 0) == values
+    assert call(signed_in, "charts/y_scale", "smooth", [7.0] * 5, 0.9) == pytest.approx([7.0] * 5)
+    assert call(signed_in, "charts/y_scale", "smooth", values, 0) == values
+
+
+def test_smoothing_averages_what_the_axis_shows(signed_in: Page) -> None:
+    """On a logarithmic axis two values have their geometric mean in the middle."""
+    scale = call(signed_in, "charts/y_scale", "yScale", [1.0, 100.0], True)
+    assert scale["scale"] == "log"
+    smoothed = call(signed_in, "charts/y_scale", "smooth", [1.0, 100.0], 0.5, scale)
+    assert smoothed == [1.0, pytest.approx(100 ** (2 / 3))]
+    signed = call(signed_in, "charts/y_scale", "yScale", [-1.0, 1.0], True)
+    assert signed["scale"] == "symlog"
+    smoothed = call(signed_in, "charts/y_scale", "smooth", [-5.0, 5.0, -5.0], 0.9, signed)
+    assert all(-5.0 <= value <= 5.0 for value in smoothed)
+
+
+def test_a_band_below_zero_leaves_a_logarithmic_axis_logarithmic(signed_in: Page) -> None:
+    scale = call(signed_in, "charts/y_scale", "yScale", [0.5, 0.02], True)
+    curve = {"low": [-0.1, None, 0.015], "high": [1.0, None, 0.03]}
+    assert scale["scale"] == "log"
+    cut = call(signed_in, "charts/y_scale", "withinAxis", curve, scale)
+    assert cut == {"low": [0.01, None, 0.015], "high": [1.0, None, 0.03]}
+
+
+def test_what_presets_say_where(signed_in: Page) -> None:
+    def told(*values: tuple[str, str]) -> Any:
+        shown = [{"name": name, "text": text} for name, text in values]
+        return call(signed_in, "submit/learner_fields", "presetText", shown, "0.2")
+
+    assert told() == "0.2"
+    assert told(("MassPoint", "0.2"), ("CartPole", "0.2")) == "0.2"
+    assert told(("MassPoint", "0.2"), ("Pendulum", "0.6")) == "0.2 in MassPoint; 0.6 in Pendulum"
 
 
 @pytest.mark.parametrize(
@@ -80,6 +110,37 @@ def test_colours_are_those_of_the_figures_in_files(signed_in: Page) -> None:
     for algorithm in [*COLOURS, "somebody-s-own", "td3", "ppo"]:
         ours = call(signed_in, "parts/palette", "algorithmColour", algorithm)
         assert ours == colour(algorithm).lower()
+
+
+def test_shades_are_those_of_the_figures_in_files(signed_in: Page) -> None:
+    signed_in.emulate_media(color_scheme="light")
+    for base in [*COLOURS.values(), *OTHERS]:
+        for count in (1, 2, 7):
+            ours = call(signed_in, "parts/palette", "shades", base, count)
+            assert [channels(each) for each in ours] == [
+                pytest.approx(channels(each), abs=1) for each in shades(base, count)
+            ]
+
+
+def channels(colour: str) -> list[int]:
+    return [int(colour[place : place + 2], 16) for place in (1, 3, 5)]
+
+
+def test_entries_that_differ_in_one_number_are_shades_in_its_order(signed_in: Page) -> None:
+    values = [0.2, 0.05, 0.4]
+    entries = [
+        {"label": f"ddpg noise={each}", "algorithm": "ddpg", "stated": {"noise": each}}
+        for each in values
+    ]
+    script = """async ([path, entries]) => {
+      const { identities } = await import(path);
+      return [...identities(entries).values()].map(({ colour }) => colour);
+    }"""
+    shown = signed_in.evaluate(script, [address(signed_in, "parts/identity"), entries])
+    by_value = dict(zip(sorted(values), shades(BLUE, 3), strict=True))
+    assert [channels(each) for each in shown] == [
+        pytest.approx(channels(by_value[each]), abs=1) for each in values
+    ]
 
 
 def test_no_two_entries_share_colour_and_dash(signed_in: Page) -> None:

@@ -120,6 +120,32 @@ def test_diagnostics_have_no_normalised_scale(opened: Page) -> None:
     expect(caption(opened)).not_to_contain_text("random")
 
 
+def test_metrics_are_offered_as_they_come(signed_in: Page, live: LiveService) -> None:
+    sweep = live.add_sweep()
+    signed_in.goto(f"{live.url}/sweeps/{sweep.id}")
+    options = signed_in.get_by_label("Metric").locator("option")
+    expect(options).to_have_count(2)
+    live.train(0, 4000)
+    expect(options).to_have_count(3)
+
+
+def test_times_grow_older_by_themselves(signed_in: Page, live: LiveService) -> None:
+    sweep = live.add_sweep()
+    signed_in.clock.install()
+    signed_in.goto(f"{live.url}/sweeps/{sweep.id}")
+    submitted = signed_in.locator("#summary time")
+    expect(submitted).to_have_text("just now")
+    signed_in.clock.fast_forward("01:40")
+    expect(submitted).to_have_text("1 min ago")
+
+
+def test_a_band_below_zero_leaves_a_logarithmic_axis_logarithmic(opened: Page) -> None:
+    """The diagnostic falls towards 0, so mean minus deviation may be negative."""
+    opened.get_by_label("Metric").select_option("critic_loss")
+    opened.get_by_role("checkbox", name="y", exact=True).check()
+    expect(caption(opened)).to_contain_text("Vertical axis logarithmic.")
+
+
 def test_the_address_is_the_whole_view(opened: Page, live: LiveService) -> None:
     opened.get_by_label("Metric").select_option("return_history")
     opened.get_by_label("Over").select_option("updates")
@@ -421,7 +447,9 @@ def test_colours_belong_to_algorithms(signed_in: Page, live: LiveService) -> Non
         expect(line).to_have_attribute("stroke", "#0072b2")
 
 
-def test_variants_of_an_algorithm_differ_in_dashes(signed_in: Page, live: LiveService) -> None:
+def test_variants_of_an_algorithm_differ_in_shade_and_dashes(
+    signed_in: Page, live: LiveService
+) -> None:
     learners = (("hybrid-ddpg", 0.1, 0.1), ("hybrid-ddpg", 0.01, 0.0))
     sweep = live.add_sweep(learners=learners, environments=("Pendulum",))
     signed_in.goto(f"{live.url}/sweeps/{sweep.id}")
@@ -429,7 +457,7 @@ def test_variants_of_an_algorithm_differ_in_dashes(signed_in: Page, live: LiveSe
     expect(lines).to_have_count(2)
     strokes = lines.evaluate_all("all => all.map((each) => each.getAttribute('stroke'))")
     dashes = lines.evaluate_all("all => all.map((each) => each.getAttribute('stroke-dasharray'))")
-    assert strokes == ["#d55e00", "#d55e00"]
+    assert strokes[0] != strokes[1]
     assert dashes[0] is None
     assert dashes[1] is not None
 
@@ -441,4 +469,135 @@ def test_an_unknown_sweep_says_so(
     expect(signed_in.get_by_text("There is no sweep '000000000000'.")).to_be_visible()
     expect(signed_in.locator("#curves")).to_be_hidden()
     assert all("404" in complaint for complaint in complaints)
+    complaints.clear()
+
+
+MANY = (("ddpg", 0.0, 0.0), *(("hybrid-ddpg", w1, 0.0) for w1 in (0.01, 0.1, 1.0, 10.0)))
+
+
+@pytest.fixture
+def crowded(signed_in: Page, live: LiveService) -> Page:
+    """A sweep of five entries, four of one algorithm."""
+    sweep = live.add_sweep(learners=MANY, seeds=2)
+    live.train(0, 9600)
+    signed_in.goto(f"{live.url}/sweeps/{sweep.id}")
+    expect(signed_in.locator("figure canvas")).to_have_count(2)
+    return signed_in
+
+
+def test_the_legend_finds_curves_and_keeps_the_highest(crowded: Page) -> None:
+    expect(crowded.locator("#legend-step")).to_have_text("Latest, mean over tasks:")
+    colours = crowded.locator("#legend line").evaluate_all(
+        "all => all.map(each => each.getAttribute('stroke'))"
+    )
+    assert len(set(colours)) == 5
+    crowded.get_by_label("Find curves").fill("w1=1")
+    expect(crowded.locator("#legend-step")).to_contain_text("2 of 5 curves.")
+    expect(caption(crowded)).to_contain_text("3 curves hidden.")
+    crowded.get_by_label("Find curves").fill("")
+    crowded.get_by_label("How many curves").select_option("3")
+    expect(crowded.locator("#legend-step")).to_contain_text("3 of 5 curves.")
+    assert state(crowded) == {"top": ["3"]}
+    kept = crowded.locator("#legend line").evaluate_all(
+        "all => all.map(each => each.getAttribute('stroke'))"
+    )
+    assert kept == colours  # stable under filtering
+
+
+def test_the_legend_sorts_by_the_value_at_the_cursor(crowded: Page) -> None:
+    crowded.get_by_label("Order of the legend").select_option("value")
+
+    def values() -> list[float]:
+        texts = crowded.locator("#legend .value").all_inner_texts()
+        return [float(text.replace("−", "-")) for text in texts]
+
+    assert values() == sorted(values(), reverse=True)
+    chart = crowded.get_by_role("slider", name="Learning curves of Pendulum")
+    chart.focus()
+    crowded.keyboard.press("Home")
+    expect(crowded.locator("#legend-step")).to_have_text("Pendulum, 800:")
+    assert values() == sorted(values(), reverse=True)
+    first = crowded.locator("#legend .value").first.inner_text()
+    expect(chart).to_have_attribute("aria-valuetext", re.compile(re.escape(first[:4])))
+
+
+def test_dragging_zooms_and_a_double_click_shows_all(opened: Page) -> None:
+    box = panel(opened, "Pendulum").locator(".u-over").bounding_box()
+    assert box is not None
+    y = box["y"] + box["height"] / 2
+    opened.mouse.move(box["x"] + box["width"] / 4, y)
+    opened.mouse.down()
+    opened.mouse.move(box["x"] + box["width"] / 2, y, steps=4)
+    opened.mouse.up()
+    expect(caption(opened)).to_contain_text("Axes have limits")
+    asked = state(opened)
+    assert float(asked["from"][0]) == pytest.approx(5000, rel=0.1)
+    assert float(asked["to"][0]) == pytest.approx(10_000, rel=0.1)
+    opened.mouse.dblclick(box["x"] + box["width"] / 2, y)
+    expect(caption(opened)).not_to_contain_text("Axes have limits")
+    assert state(opened) == {}
+
+
+def test_the_y_axis_has_limits_when_asked(opened: Page) -> None:
+    opened.get_by_label("Greatest y").fill("0.5")
+    opened.get_by_label("Greatest y").press("Enter")
+    expect(caption(opened)).to_contain_text("Axes have limits; what lies beyond")
+    assert state(opened) == {"ymax": ["0.5"]}
+    opened.get_by_role("checkbox", name="no outliers").check()
+    expect(caption(opened)).to_contain_text("outliers, 2 % at either end")
+    opened.reload()
+    expect(opened.get_by_label("Greatest y")).to_have_value("0.5")
+
+
+def test_a_figure_is_what_is_on_the_screen(opened: Page, live: LiveService, sweep: Sweep) -> None:
+    opened.get_by_label("Metric").select_option("critic_loss")
+    opened.get_by_role("checkbox", name="y", exact=True).check()
+    opened.get_by_label("Smoothing").fill("0.6")
+    opened.get_by_role("checkbox", name=re.compile("^ddpg")).uncheck()
+    expect(caption(opened)).to_contain_text("1 curve hidden.")
+    for form in ("png", "svg", "pdf", "data"):
+        link = opened.locator(f"#download-{form}").get_attribute("href") or ""
+        asked = parse_qs(urlsplit(link).query)
+        assert asked["metric"] == ["critic_loss"]
+        assert asked["logy"] == ["true"]
+        assert asked["smoothing"] == ["0.6"]
+        assert asked["entry"] == ["hybrid-ddpg"]
+        assert opened.request.get(live.url + link).status == 200
+
+
+def test_a_figure_is_built_with_a_preview(opened: Page, live: LiveService, sweep: Sweep) -> None:
+    opened.get_by_text("A figure for a paper").click()
+    preview = opened.locator("#figure-preview")
+    expect(preview).to_have_attribute("src", re.compile("plot.svg"), timeout=60_000)
+    opened.get_by_label("Width in columns").select_option("1")
+    opened.get_by_label("Size of the font in points").fill("6")
+    opened.get_by_label("Size of the font in points").press("Enter")
+    opened.get_by_label("Name of hybrid-ddpg").fill("ours")
+    opened.get_by_label("Name of hybrid-ddpg").press("Enter")
+    opened.get_by_role("button", name="Up: hybrid-ddpg").click()
+    opened.get_by_role("checkbox", name="title").uncheck()
+    opened.locator("#figure-tasks").get_by_role("checkbox", name="MassPoint").uncheck()
+    assert state(opened) == {
+        "columns": ["1"],
+        "font_size": ["6"],
+        "name": ["hybrid-ddpg=ours"],
+        "entry": ["hybrid-ddpg", "ddpg"],
+        "title": ["0"],
+        "task": ["Pendulum"],
+    }
+    expect(preview).to_have_attribute("src", re.compile("name=hybrid-ddpg%3Dours"))
+    expect(opened.locator("#figure-state")).to_have_text("", timeout=60_000)
+    expect(preview).to_have_js_property("naturalWidth", 312)  # 3.25 inches of 96 pixels
+    link = opened.locator("#download-svg").get_attribute("href") or ""
+    svg = opened.request.get(live.url + link).text()
+    assert "ours" in svg
+    assert "MassPoint" not in svg
+
+
+def test_a_figure_that_cannot_be_drawn_says_why(opened: Page, complaints: list[str]) -> None:
+    opened.get_by_text("A figure for a paper").click()
+    opened.get_by_label("Width in inches").fill("0.1")
+    opened.get_by_label("Width in inches").press("Enter")
+    expect(opened.locator("#figure-state")).to_contain_text("width", timeout=60_000)
+    assert all("422" in complaint for complaint in complaints)
     complaints.clear()

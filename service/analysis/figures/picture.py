@@ -5,6 +5,7 @@ import threading
 import unicodedata
 import warnings
 from collections.abc import Callable, Mapping
+from importlib.resources import files
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
@@ -21,16 +22,20 @@ METADATA: Mapping[Form, Mapping[str, None]] = {
 }
 INVISIBLE = frozenset({"Cc", "Cf", "Cs", "Cn", "Co"})  # Unicode categories
 
+STYLE = str(files("service.analysis.figures") / "d3pg.mplstyle")
+
 # matplotlib keeps its settings and caches for the process: nobody's matplotlibrc may change the
 # figure, names are text and not mathematics, and one thread draws at a time.
 mpl.rcdefaults()
-mpl.rcParams.update({"svg.hashsalt": "d3pg", "text.parse_math": False, "font.size": 8})
+mpl.rcParams.update(mpl.rc_params_from_file(STYLE, use_default_template=False))
 drawing = threading.Lock()
 
 
-def picture(draw: Callable[[], Figure], form: Form) -> bytes:
-    """Return what is drawn as a file's bytes."""
-    with drawing, warnings.catch_warnings():
+def picture(
+    draw: Callable[[], Figure], form: Form, settings: Mapping[str, object] | None = None
+) -> bytes:
+    """Return what is drawn as a file's bytes, under matplotlib's settings of its own."""
+    with drawing, warnings.catch_warnings(), mpl.rc_context(dict(settings or {})):
         # A name may hold characters that the font lacks; the figure shows boxes for them.
         warnings.filterwarnings("ignore", message="Glyph .* missing from font")
         file = io.BytesIO()

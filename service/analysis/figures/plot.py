@@ -7,111 +7,246 @@ the same bytes, so a picture can be compared and cached.
 
 import math
 import textwrap
-from collections import Counter
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import EngFormatter
+from numpy.typing import NDArray
 
-from service.analysis.comparison import ABSCISSA_TEXT, Comparison, LabelledCurve, Panel, definition
+from service.analysis.comparison import (
+    ABSCISSA_TEXT,
+    BAND_TEXT,
+    Comparison,
+    LabelledCurve,
+    Panel,
+    definition,
+    grouped,
+)
+from service.analysis.curves import Floats
+from service.analysis.figures.design import Design
 from service.analysis.figures.figure_form import Form
-from service.analysis.figures.palette import colour, dash
+from service.analysis.figures.palette import colour, dash, shades
 from service.analysis.figures.picture import picture, printable
+from service.analysis.figures.y_scale import YScale, robust_range, y_scale
+from service.model.entry import Entry, setting_text
+from service.model.run_curve import RETURNS
 
 Style = Mapping[str, Any]
 
 COLUMN_INCHES = 2.8
 MIN_WIDTH_INCHES = 6.4
-PANELS_INCHES = 5.2  # both rows and the caption
+ROW_INCHES = 2.3
+PER_ROW = 4  # panels of a single metric
+CAPTION_INCHES = 0.6
 LEGEND_COLUMN_INCHES = 1.8
 LEGEND_ROW_INCHES = 0.18
 HANDLE_LENGTHS = 4.0  # of the font's size: a whole pattern of dashes and dots
-CAPTION_CHARACTERS_PER_INCH = 19
+CAPTION_CHARACTERS_PER_INCH = 133.0  # at a size of one point
+FAINT = 0.35
 
 
-def draw(title: str, rows: Sequence[Comparison], form: Form) -> bytes:
+class Place(NamedTuple):
+    """Where a panel stands in the grid, and of which row of comparisons it is."""
+
+    comparison: Comparison
+    panel: Panel
+    row: int
+    column: int
+
+
+def draw(title: str, rows: Sequence[Comparison], form: Form, design: Design | None = None) -> bytes:
     """Return the figure as a file's bytes: a row per comparison, all of one sweep."""
-    return picture(lambda: _figure(title, rows), form)
+    design = design or Design()
+    return picture(lambda: _figure(title, rows, design), form, design.settings)
 
 
-def caption(rows: Sequence[Comparison]) -> str:
+def caption(rows: Sequence[Comparison], design: Design | None = None) -> str:
     """Say what the figure shows, with the number of runs in its curves."""
+    design = design or Design()
     counts = [int(one.curve.n.max(initial=0)) for row in rows for one in _all_curves(row)]
     least, most = min(counts, default=0), max(counts, default=0)
     n = f"n = {most}" if least == most else f"n = {least} to {most}"
-    return f"{definition(rows)} {n}."
+    said = definition(rows)
+    if not design.has_band:
+        said = said.replace(f" and {BAND_TEXT[rows[0].view.band]}", "", 1)
+    if design.smoothing:
+        said = said.replace(
+            "no smoothing",
+            f"bold lines are smoothed (debiased exponential average, weight {design.smoothing:g})",
+        )
+    return f"{said} {n}."
 
 
-def _figure(title: str, rows: Sequence[Comparison]) -> Figure:
-    panels = max(1, len(rows[0].panels))
-    width = max(MIN_WIDTH_INCHES, COLUMN_INCHES * panels)
-    styles = styles_of(rows[0])
-    legend_columns = max(1, min(len(styles), int(width / LEGEND_COLUMN_INCHES)))
-    legend_rows = 1 + math.ceil(len(styles) / legend_columns)
-    height = PANELS_INCHES + LEGEND_ROW_INCHES * legend_rows
-    figure = Figure(figsize=(width, height), layout="constrained")
-    axes = figure.subplots(len(rows), panels, sharex="col", squeeze=False)
-    for axes_row, comparison in zip(axes, rows, strict=True):
-        for ax, panel in zip(axes_row, comparison.panels, strict=False):
-            draw_panel(ax, panel, styles)
-        scale = "normalised" if comparison.view.normalized else "raw"
-        axes_row[0].set_ylabel(f"{comparison.view.metric} ({scale})")
-    for ax, panel in zip(axes[0], rows[0].panels, strict=False):
-        ax.set_title(printable(panel.environment))
-    for ax in axes[-1]:
-        ax.set_xlabel(ABSCISSA_TEXT[rows[0].view.x])
-        ax.xaxis.set_major_formatter(EngFormatter(sep=""))  # 20k
-    figure.legend(
-        title=printable(title),
-        handles=[Line2D([], [], label=printable(label), **styles[label]) for label in styles],
-        loc="outside upper center",
-        ncols=legend_columns,
-        handlelength=HANDLE_LENGTHS,
-        frameon=False,
-    )
-    lines = textwrap.wrap(caption(rows), int(width * CAPTION_CHARACTERS_PER_INCH))
-    figure.supxlabel("\n".join(lines), fontsize=7)
+def _figure(title: str, asked: Sequence[Comparison], design: Design) -> Figure:
+    rows = [design.chosen(row) for row in asked]
+    places, columns = _places(rows, design)
+    styles = styles_of(asked[0], design)
+    width = design.width or max(MIN_WIDTH_INCHES, COLUMN_INCHES * columns)
+    across = max(1, min(len(styles), int(width / LEGEND_COLUMN_INCHES)))
+    down = 1 + places[-1].row if places else 1
+    figure = Figure(figsize=(width, design.height or _height(down, styles, across, design)))
+    figure.set_layout_engine("constrained")
+    axes = figure.subplots(down, columns, sharex="col" if len(rows) > 1 else False, squeeze=False)
+    for ax in axes.flat[len(places) :] if len(rows) == 1 else ():
+        ax.set_axis_off()
+    for place in places:
+        _draw_place(axes[place.row, place.column], place, design, styles)
+    for row in range(down) if design.is_aligned else ():
+        _align([axes[place.row, place.column] for place in places if place.row == row])
+    _label(axes, places)
+    if design.has_legend and styles:
+        handles = [
+            Line2D([], [], label=printable(design.name(label)), **style)
+            for label, style in styles.items()
+        ]
+        figure.legend(
+            title=printable(title) if design.has_title else None,
+            handles=handles,
+            loc="outside upper center",
+            ncols=across,
+            handlelength=HANDLE_LENGTHS,
+        )
+    elif design.has_title:
+        figure.suptitle(printable(title))
+    if design.has_caption:
+        size = design.font_size - 1
+        characters = int(width * CAPTION_CHARACTERS_PER_INCH / size)
+        lines = textwrap.wrap(caption(rows, design), characters)
+        figure.supxlabel("\n".join(lines), fontsize=size)
     return figure
 
 
-def draw_panel(ax: Axes, panel: Panel, styles: Mapping[str, Style]) -> None:
+def _places(rows: Sequence[Comparison], design: Design) -> tuple[list[Place], int]:
+    """Lay out the panels: a row per comparison; a single one is wrapped as the design says."""
+    panels = max(1, len(rows[0].panels))
+    columns = min(panels, design.per_row or PER_ROW) if len(rows) == 1 else panels
+    places = [
+        Place(row, panel, number + index // columns, index % columns)
+        for number, row in enumerate(rows)
+        for index, panel in enumerate(row.panels)
+    ]
+    return places, columns
+
+
+def _height(down: int, styles: Mapping[str, Style], across: int, design: Design) -> float:
+    legend = LEGEND_ROW_INCHES * (1 + math.ceil(len(styles) / across)) * design.has_legend
+    return ROW_INCHES * down + CAPTION_INCHES * design.has_caption + legend
+
+
+def _draw_place(ax: Axes, place: Place, design: Design, styles: Mapping[str, Style]) -> None:
+    draw_panel(ax, place.panel, styles, design)
+    if design.is_log_x:
+        ax.set_xscale("log")
+    else:
+        ax.xaxis.set_major_formatter(EngFormatter(sep=""))  # 20k
+    ax.set_xlim(*design.x_limits)
+    ax.set_title(printable(place.panel.environment))
+
+
+def _align(axes: Sequence[Axes]) -> None:
+    """Give panels the y axis that holds what each of them shows."""
+    lows, highs = zip(*(ax.get_ylim() for ax in axes), strict=True)
+    for ax in axes:
+        ax.set_ylim(min(lows), max(highs))
+
+
+def _label(axes: NDArray[Any], places: Sequence[Place]) -> None:
+    """Name the axes at the left and the bottom of the grid, and the tasks at its top."""
+    below = {(place.row, place.column) for place in places}
+    for comparison, _, row, column in places:
+        ax, view = axes[row, column], comparison.view
+        if column == 0:
+            scale = " (normalised)" if view.normalized else " (raw)" * (view.metric in RETURNS)
+            ax.set_ylabel(f"{view.metric}{scale}")
+        if (row + 1, column) not in below:
+            ax.set_xlabel(ABSCISSA_TEXT[view.x])
+        if row > 0 and comparison is not places[0].comparison:
+            ax.set_title("")
+
+
+def draw_panel(
+    ax: Axes, panel: Panel, styles: Mapping[str, Style], design: Design | None = None
+) -> None:
     """Draw the curves of an environment, each in the style of its label."""
+    design = design or Design()
+    values = _line_values(panel, design)
+    scale = y_scale(values, is_log=design.is_log_y)
     for one in panel.curves:
-        style, curve = styles[one.label], one.curve
-        alone = np.isfinite(curve.mean)
-        if alone.sum() == 1:  # a line of one point is invisible
-            ax.plot(curve.x[alone], curve.mean[alone], "o", markersize=4, color=style["color"])
-            ax.vlines(
-                curve.x[alone], curve.low[alone], curve.high[alone], style["color"], alpha=0.4
-            )
-        ax.plot(curve.x, curve.mean, linewidth=1.2, **style)
-        ax.fill_between(
-            curve.x, curve.low, curve.high, color=style["color"], alpha=0.2, linewidth=0
-        )
+        _draw_curve(ax, one, styles[one.label], design, scale)
     if not any(one.curve.n.any() for one in panel.curves):
         ax.text(0.5, 0.5, "nothing to show yet", ha="center", transform=ax.transAxes, color="0.4")
-    ax.grid(color="0.9", linewidth=0.6)
-    ax.set_axisbelow(True)
-    ax.spines[["top", "right"]].set_visible(False)
+    if scale.kind == "asinh":
+        ax.set_yscale("asinh", linear_width=scale.linear_within)
+    else:
+        ax.set_yscale(scale.kind)
+    if design.is_robust and len(values):
+        ax.set_ylim(*robust_range(values))
+    ax.set_ylim(*design.y_limits)
+    ax.grid(visible=True)
 
 
-def styles_of(comparison: Comparison) -> dict[str, Style]:
-    """Return the line of each label shown: the algorithm's colour, a dash per further entry of it.
+def _draw_curve(ax: Axes, one: LabelledCurve, style: Style, design: Design, scale: YScale) -> None:
+    curve, colour = one.curve, style["color"]
+    low, high = np.maximum(curve.low, scale.floor), np.maximum(curve.high, scale.floor)
+    alone = np.isfinite(curve.mean)
+    if alone.sum() == 1:  # a line of one point is invisible
+        ax.plot(curve.x[alone], curve.mean[alone], "o", markersize=4, color=colour)
+        if design.has_band:
+            ax.vlines(curve.x[alone], low[alone], high[alone], colour, alpha=0.4)
+    for seed in one.seeds if design.has_seeds else ():
+        ax.plot(curve.x, seed.values, linewidth=0.5, alpha=FAINT, color=colour)
+    if design.smoothing:
+        ax.plot(curve.x, curve.mean, linewidth=0.6, alpha=FAINT, color=colour)
+    ax.plot(curve.x, scale.smooth(curve.mean, design.smoothing), **style)
+    if design.has_band:
+        ax.fill_between(curve.x, low, high, color=colour, alpha=0.2, linewidth=0)
+
+
+def _line_values(panel: Panel, design: Design) -> Floats:
+    """Return every finite value that a line of a panel goes through, [values]."""
+    lines = [one.curve.mean for one in panel.curves]
+    if design.has_seeds:
+        lines += [seed.values for one in panel.curves for seed in one.seeds]
+    values = np.concatenate(lines) if lines else np.empty(0)
+    return values[np.isfinite(values)]
+
+
+def styles_of(comparison: Comparison, design: Design | None = None) -> dict[str, Style]:
+    """Return the line of each label shown: a shade and a dash of its algorithm's.
 
     Entries that are not shown have theirs too, so that a curve looks alike in every figure.
     """
     styles: dict[str, Style] = {}
-    used: Counter[str] = Counter()
-    for entry in comparison.entries:
-        shade = colour(entry.algorithm)
-        styles[entry.label] = {"color": shade, "linestyle": dash(used[shade])}
-        used[shade] += 1
-    shown = dict.fromkeys(one.label for one in _all_curves(comparison))
-    return {label: styles[label] for label in shown}
+    for base, siblings in grouped(comparison.entries, lambda one: colour(one.algorithm)).items():
+        ordered = [entry.label for entry in by_value(siblings)]
+        tints = dict(zip(ordered, shades(base, len(siblings)), strict=True))
+        for place, entry in enumerate(siblings):
+            styles[entry.label] = {"color": tints[entry.label], "linestyle": dash(place)}
+    design = design or Design()
+    present = list(dict.fromkeys(one.label for one in _all_curves(design.chosen(comparison))))
+    shown = [label for label in design.labels if label in present] or present
+    return {
+        label: {**styles[label], "color": design.colours.get(label, styles[label]["color"])}
+        for label in shown
+    }
+
+
+def by_value(entries: Sequence[Entry]) -> Sequence[Entry]:
+    """Order entries by the one number in which they differ; else leave them as they are."""
+    names = dict.fromkeys(name for entry in entries for name in entry.stated)
+    varied = [
+        name for name in names if len({setting_text(e.stated.get(name)) for e in entries}) > 1
+    ]
+    if len(varied) != 1:
+        return entries
+    values = [entry.stated.get(varied[0]) for entry in entries]
+    if not all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
+        return entries
+    return sorted(entries, key=lambda entry: float(entry.stated[varied[0]]))
 
 
 def _all_curves(comparison: Comparison) -> list[LabelledCurve]:

@@ -10,38 +10,78 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query, Response
 
 from service.analysis.comparison import Comparison
+from service.analysis.figures.figure_data import figure_data
 from service.analysis.figures.figure_form import MEDIA_TYPES, Form
 from service.analysis.figures.paper_figure import MAX_CURVES, PAPER, FigureNumber
 from service.api.context import TheCheckpoints, TheSide, TheStore, TheSweep
 from service.api.problems import Fault, ImpossibleMove, InvalidRequest, NotFound, ServiceBusy
 from service.api.revalidation import RevalidatedRoute
 from service.api.routes.curves import BandQuery, compared
+from service.api.schemas.figure_query import FigureQuery
 from service.api.side_process import BusyError, Side, TooSlowError
-from service.model.run_curve import RETURNS
+from service.model.sweep import Sweep
+from service.store.store import Store
 from workers.checkpoints.folder import UnavailableError
-from workers.checkpoints.place import Place
 from workers.checkpoints.sealed_file import DamagedError
 
 router = APIRouter(prefix="/sweeps/{sweep_id}", tags=["curves"], route_class=RevalidatedRoute)
 
+DATA: dict[int | str, dict[str, Any]] = {
+    200: {
+        "content": {
+            "text/csv": {
+                "example": "metric,environment,entry,name,x,mean,low,high,n\r\n"
+                "return_mean,Pendulum,ddpg,ddpg,800.0,0.012,-0.021,0.045,4\r\n"
+            }
+        }
+    }
+}
 ANSWERS: dict[int | str, dict[str, Any]] = {
     200: {"content": {each: {} for each in MEDIA_TYPES.values()}}
 }
+
+
+@router.get("/plot.csv", response_class=Response, responses=DATA)
+def get_plot_data(
+    sweep: TheSweep, query: Annotated[FigureQuery, Query()], store: TheStore
+) -> Response:
+    """Answer the numbers that `plot.{form}` draws for the same query."""
+    data = figure_data(_asked_rows(store, sweep, query), query.design)
+    headers = {"Content-Disposition": f'attachment; filename="sweep-{sweep.id}.csv"'}
+    return Response(data, media_type="text/csv", headers=headers)
 
 
 @router.get("/plot.{form}", response_class=Response, responses=ANSWERS)
 def get_plot(
     sweep: TheSweep,
     form: Form,
-    query: Annotated[BandQuery, Query()],
+    query: Annotated[FigureQuery, Query()],
     store: TheStore,
     side: TheSide,
 ) -> Response:
-    """Draw every curve of this sweep: return_mean above return_history, a column a task."""
-    rows = [compared(store, sweep, query.view(metric)) for metric in RETURNS]
-    _refuse_more_curves(rows, MAX_CURVES)
+    """Draw curves of this sweep: a row of panels a metric, a column a task.
+
+    Without any option: every curve, return_mean above return_history.
+    """
+    rows = _asked_rows(store, sweep, query)
+    _refuse_more_curves([query.design.chosen(row) for row in rows], MAX_CURVES)
     title = f"{sweep.name} ({sweep.id})"
-    return _drawn(side, "service.analysis.figures.plot:draw", title, rows, form)
+    return _drawn(side, "service.analysis.figures.plot:draw", title, rows, form, query.design)
+
+
+def _asked_rows(store: Store, sweep: Sweep, query: FigureQuery) -> list[Comparison]:
+    """Return a comparison a metric. Raises InvalidRequest for what the sweep does not have."""
+    bands = BandQuery(
+        normalized=query.normalized,
+        band=query.band_asked,
+        x=query.x,
+        max_points=query.max_points,
+    )
+    views = [replace(bands.view(metric), with_seeds=query.seeds) for metric in query.metric]
+    rows = [compared(store, sweep, view) for view in views]
+    if faults := list(query.faults(rows[0])):
+        raise InvalidRequest(faults)
+    return rows
 
 
 @router.get("/figures/{number}.{form}", response_class=Response, responses=ANSWERS)
@@ -92,11 +132,11 @@ def _refuse_more_curves(rows: Sequence[Comparison], most: int) -> None:
 
 
 def _drawn(
-    side: Side, draw: str, title: str, rows: Sequence[Comparison], form: Form, *policies: Place
+    side: Side, draw: str, title: str, rows: Sequence[Comparison], form: Form, *more: object
 ) -> Response:
     """Draw. Raises ImpossibleMove for damaged files, ServiceBusy."""
     try:
-        picture = side.call(draw, title, rows, form, *policies)
+        picture = side.call(draw, title, rows, form, *more)
     except UnavailableError as trouble:
         raise ServiceBusy(f"What runs learned cannot be read now: {trouble.strerror}.") from trouble
     except DamagedError as damage:

@@ -1,27 +1,20 @@
 """The dashboard's pages and its static files. The pages hold no data: their scripts ask the API.
 
-A static file's address holds the version of all of them, so browsers may keep it for good and a
-new version is another address. A page names every module that its script imports, directly or
-not, so that the browser asks for them all at once and not one import after the other.
+A page names every module that its script imports, directly or not, so that the browser asks for
+them all at once and not one import after the other.
 """
-
-from functools import cache
-from importlib.resources import files
-from pathlib import Path
 
 from fastapi import APIRouter, FastAPI, Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from fastapi.staticfiles import StaticFiles
-from fastapi.templating import Jinja2Templates
 from starlette.types import Scope
 
+from service.api.shell import page, static
 from service.api.static_files import StaticFolder
 
-WEB = Path(str(files("web")))
 FOR_GOOD = "public, max-age=31536000, immutable"
 
 router = APIRouter(include_in_schema=False, default_response_class=HTMLResponse)
-templates = Jinja2Templates(WEB / "templates")
 
 
 class VersionedFiles(StaticFiles):
@@ -86,20 +79,3 @@ def compare_page(request: Request) -> HTMLResponse:
 def catalogue_page(request: Request) -> HTMLResponse:
     """Answer what can be trained, and in what."""
     return page(request, "catalogue")
-
-
-def page(request: Request, name: str, **values: str) -> HTMLResponse:
-    """Return the page of a template, which starts the script of the same name."""
-    context = {
-        "page": name,
-        "static": f"/static/{static().version}",
-        "modules": static().modules(f"pages/{name}.js"),
-        **values,
-    }
-    return templates.TemplateResponse(request, f"{name}.html", context)
-
-
-@cache
-def static() -> StaticFolder:
-    """Return the static files, read at the first call."""
-    return StaticFolder(WEB / "static")

@@ -11,6 +11,11 @@ from service.api.security import is_equal_secret, refusal_response
 
 router = APIRouter(include_in_schema=False)
 
+NONE = "Paste the token of the service to sign this browser in."
+WRONG = (
+    "This sign-in link or token is not (or no longer) valid. The service prints the right link "
+    "when it starts; `d3pg token` prints its token."
+)
 YEAR_SECONDS = 365 * 24 * 3600
 
 
@@ -22,14 +27,9 @@ def sign_in(
 ) -> Response:
     """Set the session cookie and go on to a page of ours; the token leaves the address bar."""
     secret: str = request.app.state.token
-    if not is_equal_secret(token, secret):
-        return refusal_response(
-            request.headers,
-            HTTPStatus.UNAUTHORIZED,
-            "This sign-in link is not (or no longer) valid. The service prints the right one when "
-            "it starts; `d3pg token` prints its token.",
-        )
     target = next if _is_path_of_ours(next) else "/"
+    if not is_equal_secret(token, secret):
+        return refusal_response(request, HTTPStatus.UNAUTHORIZED, WRONG if token else NONE, target)
     response = _forward(request, target)
     name, value = session_cookie(secret)
     response.set_cookie(

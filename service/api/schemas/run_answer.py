@@ -61,6 +61,7 @@ class RunAnswer(BaseModel):
                     "resumed_timestep": 0,
                     "checkpoint_timestep": 4_300,
                     "memory_bytes": 2_400_000,
+                    "worked_seconds": None,
                     "links": {"self": "/api/v1/runs/3f9a0c51b7de-17"},
                 }
             ]
@@ -94,6 +95,9 @@ class RunAnswer(BaseModel):
     )
     checkpoint_timestep: int = Field(description="Of its newest checkpoint; 0 where it has none.")
     memory_bytes: int | None = Field(description="What it may come to fill in its worker.")
+    worked_seconds: float | None = Field(
+        description="How long workers have worked on it, in its attempts that have ended."
+    )
     links: dict[str, str]
 
     @property

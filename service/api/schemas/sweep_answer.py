@@ -46,6 +46,10 @@ class EntryAnswer(BaseModel):
 
     label: str = Field(description="Its name: curves, tables, statistics and runs carry it.")
     algorithm: str
+    stated: dict[str, Any] = Field(
+        description="Weights, settings and share of the timesteps that it states, by name; the "
+        "others are the presets'."
+    )
 
 
 class RunCountsAnswer(BaseModel):
@@ -273,7 +277,7 @@ class SweepAnswer(SweepHead):
             max_workers=sweep.max_workers,
             request=sweep.request,
             entries=[
-                EntryAnswer(label=entry.label, algorithm=entry.algorithm)
+                EntryAnswer(label=entry.label, algorithm=entry.algorithm, stated=entry.stated)
                 for entry in Entries(sweep.request).all
             ],
             notices=list(notices),

@@ -20,7 +20,7 @@ from sqlalchemy import (
     type_coerce,
 )
 
-from service.store.tables import measurements, runs
+from service.store.tables import attempts, measurements, runs
 
 By = Literal["made", "timestep", "seconds", "return_mean"]
 
@@ -47,12 +47,21 @@ class RunOrder:
 
 AS_MADE = RunOrder()
 
+worked_seconds: ColumnElement[float | None] = type_coerce(
+    select(func.sum(attempts.c.ended_at - attempts.c.started_at))
+    .where(attempts.c.run_number == runs.c.number)
+    .correlate(runs)
+    .scalar_subquery(),
+    Double,
+)
+"""How long workers have worked on a run, in its attempts that have ended; NULL without any."""
+
 
 def _value(by: By) -> ColumnElement[Any]:
     if by == "timestep":
         return runs.c.timestep + 0.0
     if by == "seconds":
-        return runs.c.finished_at - runs.c.started_at
+        return worked_seconds
     latest = (
         select(measurements.c.return_mean)
         .where(measurements.c.run_number == runs.c.number)

@@ -7,7 +7,7 @@ from sqlalchemy import ColumnElement, Connection, Row, Select, false, func, sele
 from service.model.run import Attempt, Run, RunStatus
 from service.model.run_name import RunName
 from service.store.reading.rows import noun_of
-from service.store.reading.run_order import AS_MADE, RunOrder
+from service.store.reading.run_order import AS_MADE, RunOrder, worked_seconds
 from service.store.refusal import NotFoundError
 from service.store.tables import attempts, is_running, is_there, runs, sweeps
 from workers.messages.run_spec import RunSpec, Weights
@@ -97,9 +97,8 @@ def named(run_id: str) -> ColumnElement[bool]:
 
 
 def _select() -> Select[Any]:
-    return select(runs, sweeps.c.id.label("sweep_id")).join(
-        sweeps, sweeps.c.number == runs.c.sweep_number
-    )
+    columns = (sweeps.c.id.label("sweep_id"), worked_seconds.label("worked_seconds"))
+    return select(runs, *columns).join(sweeps, sweeps.c.number == runs.c.sweep_number)
 
 
 def _run(row: Row[Any]) -> Run:

@@ -114,3 +114,16 @@ def test_entries_are_told_apart_in_every_list(d3pg: Command, service: Client, st
     _, *table, _ = d3pg("table", sweep).stdout.splitlines()
     assert [line.split("\t")[0] for line in table] == labels
     assert all("-" not in line.split("\t") for line in table)
+
+
+def test_a_figure_for_a_paper_has_its_numbers_beside_it(
+    d3pg: Command, trained: str, tmp_path: Path
+) -> None:
+    file = tmp_path / "paper.pdf"
+    asked = ("--metric", "return_mean", "--environment", "Pendulum", "--columns", "1", "--no-title")
+    told = as_json(d3pg("figure", trained, "-o", str(file), *asked, "--json"))
+    assert told == {"file": str(file), "data": str(tmp_path / "paper.csv")}
+    assert file.read_bytes().startswith(b"%PDF")
+    data = (tmp_path / "paper.csv").read_text(encoding="utf-8")
+    rows = list(csv.DictReader(io.StringIO(data)))
+    assert {(row["metric"], row["environment"]) for row in rows} == {("return_mean", "Pendulum")}

@@ -5,13 +5,18 @@
 import { themeColour } from "../parts/palette.js";
 import { axis, canvasFont, labelWidth, ticks } from "./axes.js";
 import { align, layers, lineIndices } from "./layers.js";
+import { withinAxis } from "./y_scale.js";
 
 /**
  * @import { Curve } from "./layers.js"
+ * @import { Limits } from "./limits.js"
+ * @import { YScale } from "./y_scale.js"
  *
  * @typedef {object} Spec
  * @property {string} group   charts of one group share their cursor
  * @property {(index: number | null) => void} onCursor   the cursor stands on this index of `xs`
+ * @property {(from: number | null, to: number | null) => void} [onZoom]   a part of the x axis was
+ *   marked by dragging; null twice, by a double click: all of it
  *
  * What uPlot's own types leave out: whether a cursor that is set is told to the group.
  *
@@ -24,20 +29,29 @@ import { align, layers, lineIndices } from "./layers.js";
  * @typedef {object} Data
  * @property {Curve[]} curves
  * @property {Reference[]} references   horizontal lines
- * @property {{ label: string, log: boolean, max: number | null }} x
- * @property {{ label: string, scale: Scale, linearWithin: number, anchors: number[] }} y
- *   anchors stay in sight; symlog is linear in [-linearWithin, linearWithin]
+ * @property {{ label: string, log: boolean, max: number | null, limits: Limits }} x
+ * @property {{ label: string, anchors: number[], limits: Limits } & YScale} y   anchors stay in
+ *   sight, within the limits
  */
 
 /** @type {Record<Scale, import("uplot").Scale.Distr>} */
 const DISTRIBUTIONS = { linear: 1, log: 3, symlog: 4 }; // uPlot's numbers; its 4 is asinh
 
+const DRAG_PIXELS = 8; // less is no part of the axis
+
 /** @type {Data} */
 const NOTHING = {
   curves: [],
   references: [],
-  x: { label: "", log: false, max: null },
-  y: { label: "", scale: "linear", linearWithin: 1, anchors: [] },
+  x: { label: "", log: false, max: null, limits: [null, null] },
+  y: {
+    label: "",
+    scale: "linear",
+    linearWithin: 1,
+    floor: -Infinity,
+    anchors: [],
+    limits: [null, null],
+  },
 };
 
 export class Chart {
@@ -86,7 +100,7 @@ export class Chart {
    */
   update(data) {
     this.#data = data;
-    const columns = align(data.curves);
+    const columns = align(data.curves.map((curve) => withinAxis(curve, data.y)));
     const structure = JSON.stringify([
       data.x.label,
       data.x.log,
@@ -159,14 +173,24 @@ export class Chart {
         { ...axis(y.label, labelWidth), ...ticks("y", y.scale !== "linear", 26) },
       ],
       ...layers(curves),
-      cursor: cursor(this.#spec.group, lineIndices(curves)),
+      cursor: cursor(this.#spec, lineIndices(curves)),
       hooks: {
         drawAxes: [(plot) => drawReferences(plot, this.#data.references)],
         setCursor: [
           ({ cursor: { left = -1, idx = null } }) => this.#spec.onCursor(left < 0 ? null : idx),
         ],
+        setSelect: [(plot) => this.#zoom(plot)],
       },
     };
+  }
+
+  /** @param {import("uplot")} plot */
+  #zoom(plot) {
+    const { left, width } = plot.select;
+    if (width === 0) return;
+    const [from, to] = [left, left + width].map((pixel) => plot.posToVal(pixel, "x"));
+    plot.setSelect({ left: 0, width: 0, top: 0, height: 0 }, false);
+    this.#spec.onZoom?.(Number(from.toPrecision(4)), Number(to.toPrecision(4)));
   }
 
   /**
@@ -177,6 +201,17 @@ export class Chart {
    * @returns {[number, number]}
    */
   #xRange(min, max) {
+    const [low, high] = this.#wholeXRange(min, max);
+    const [from, to] = this.#data.x.limits;
+    return [from ?? low, to ?? high];
+  }
+
+  /**
+   * @param {number | null} min
+   * @param {number | null} max
+   * @returns {[number, number]}
+   */
+  #wholeXRange(min, max) {
     const { log, max: end } = this.#data.x;
     if (min === null || max === null) return log ? [1, 10] : [0, end ?? 1];
     if (log) return [min, max > min ? max : min * 10];
@@ -189,9 +224,11 @@ export class Chart {
    * @returns {[number, number]}
    */
   #yRange(min, max) {
-    const { anchors, scale } = this.#data.y;
-    const lowest = Math.min(...anchors, min ?? Infinity);
-    const highest = Math.max(...anchors, max ?? -Infinity);
+    const { anchors, scale, limits } = this.#data.y;
+    const [from, to] = limits;
+    const lowest = from ?? Math.min(...anchors, min ?? Infinity);
+    const highest = to ?? Math.max(...anchors, max ?? -Infinity);
+    if (lowest >= highest && (from ?? to) !== null) return [lowest, lowest + 1];
     if (lowest > highest) return [0, 1];
     if (scale === "log") return [lowest / 1.15, highest * 1.15];
     const margin = 0.06 * (highest - lowest || Math.abs(highest) || 1);
@@ -200,16 +237,24 @@ export class Chart {
 }
 
 /**
- * @param {string} group
+ * @param {Spec} spec
  * @param {Set<number>} lines
  * @returns {import("uplot").Cursor}
  */
-function cursor(group, lines) {
+function cursor({ group, onZoom }, lines) {
   return {
     y: false,
     move: (plot, left, top) => [left < 0 ? left : nearestStep(plot, left), top],
-    drag: { x: false, y: false, setScale: false },
-    sync: { key: group, scales: ["x", null] },
+    drag: { x: onZoom !== undefined, y: false, setScale: false, dist: DRAG_PIXELS },
+    bind: {
+      dblclick: () => {
+        return () => {
+          onZoom?.(null, null);
+          return null;
+        };
+      },
+    },
+    sync: { key: group, scales: ["x", null], filters: { pub: (type) => type === "mousemove" } },
     points: {
       size: 8,
       width: 2,

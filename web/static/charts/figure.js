@@ -15,6 +15,14 @@ const KEYS = new Map([
 /**
  * @import { Data } from "./chart.js"
  * @import { Field, View } from "../parts/view.js"
+ *
+ * What a figure tells of what is done to it.
+ *
+ * @typedef {object} Listener
+ * @property {(isOpen: boolean) => void} onToggle   the table was opened or closed
+ * @property {(from: number | null, to: number | null) => void} [onZoom]   a part of the x axis was
+ *   marked; null twice: all of it
+ * @property {(x: number | null) => void} [onRead]   the cursor is at a step, or nowhere
  */
 
 export class ChartFigure {
@@ -28,6 +36,7 @@ export class ChartFigure {
   #table = element("table", { class: "data" });
   #details;
   #abscissa = "";
+  #onRead;
   #fillTable = () => {};
   /** @type {Data | null} */
   #data = null;
@@ -36,9 +45,10 @@ export class ChartFigure {
    * @param {{ title: string, label: string }} texts the heading, and what the chart is to those who
    *   hear it
    * @param {string} group charts of one group share their cursor
-   * @param {(isOpen: boolean) => void} onToggle the table was opened or closed
+   * @param {Listener} listener
    */
-  constructor({ title, label }, group, onToggle) {
+  constructor({ title, label }, group, { onToggle, onZoom, onRead = () => {} }) {
+    this.#onRead = onRead;
     const heading = element("h3", { id: `figure-${made++}` }, title);
     this.#plot = element(
       "div",
@@ -61,7 +71,8 @@ export class ChartFigure {
       this.#caption,
       this.#details,
     );
-    this.#chart = new Chart(this.#plot, { group, onCursor: (index) => this.#read(index) });
+    const onCursor = (/** @type {number | null} */ index) => this.#read(index);
+    this.#chart = new Chart(this.#plot, { group, onCursor, onZoom });
     this.#announce(null);
   }
 
@@ -111,6 +122,7 @@ export class ChartFigure {
    */
   #read(index) {
     const x = index === null ? undefined : this.#chart.xs[index];
+    this.#onRead(x ?? null);
     if (x === undefined || this.#data === null) {
       this.#readout.hide();
       this.#announce(null);

@@ -162,3 +162,13 @@ export function placement(x, xs) {
     return column;
   };
 }
+
+/**
+ * What takes a column from an index on; of -1, nothing of it.
+ *
+ * @param {number} from
+ * @returns {<T>(column: T[]) => T[]}
+ */
+export function slicer(from) {
+  return (column) => (from < 0 ? [] : column.slice(from));
+}

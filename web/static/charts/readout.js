@@ -17,17 +17,19 @@ import { withBand } from "../texts/format.js";
  */
 
 const GAP = 14;
+const MOST_ROWS = 8; // more would cover the chart; a legend has them all
 
 export class Readout {
   node = element("div", { class: "readout", "aria-hidden": "true", hidden: true });
   #step = element("p", { class: "readout-step" });
   #rows = element("tbody");
+  #rest = element("p", { class: "readout-step" });
   /** @type {{ value: HTMLElement, n: HTMLElement }[]} */
   #cells = [];
   #labels = "";
 
   constructor() {
-    this.node.append(this.#step, element("table", {}, this.#rows));
+    this.node.append(this.#step, element("table", {}, this.#rows), this.#rest);
   }
 
   /**
@@ -39,9 +41,12 @@ export class Readout {
    * @param {number} width
    */
   show(step, values, left, width) {
-    this.#prepare(values.map(({ curve }) => curve));
+    const shown = highest(values);
+    this.#prepare(shown.map(({ curve }) => curve));
     setText(this.#step, step);
-    values.forEach(({ mean, low, high, n }, i) => {
+    const others = values.length - shown.length;
+    setText(this.#rest, others > 0 ? `and ${others} lower` : "");
+    shown.forEach(({ mean, low, high, n }, i) => {
       const cells = this.#cells[i];
       setText(cells.value, withBand(mean, low, high));
       setText(cells.n, n === null ? "" : `n ${n}`);
@@ -73,6 +78,19 @@ export class Readout {
       }),
     );
   }
+}
+
+/**
+ * The values that the box has room for: all, or the highest of them, in the order of the curves.
+ *
+ * @param {Values[]} values
+ * @returns {Values[]}
+ */
+function highest(values) {
+  if (values.length <= MOST_ROWS) return values;
+  const rank = (/** @type {Values} */ { mean }) => mean ?? -Infinity;
+  const kept = new Set(values.toSorted((a, b) => rank(b) - rank(a)).slice(0, MOST_ROWS));
+  return values.filter((each) => kept.has(each));
 }
 
 /**
@@ -113,7 +131,7 @@ export function sentence(step, values) {
  * @param {number} x
  * @returns {number}
  */
-function lastUpTo(steps, x) {
+export function lastUpTo(steps, x) {
   let low = -1;
   let high = steps.length;
   while (high - low > 1) {

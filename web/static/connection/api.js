@@ -1,6 +1,7 @@
 /** The service's REST interface, as the pages use it. */
 
 const PREFIX = "/api/v1";
+const FINAL_STATUSES = [400, 404, 422];
 
 /** What the service refused, in its own words (problem+json), or that it could not be reached. */
 export class Refusal extends Error {
@@ -13,6 +14,11 @@ export class Refusal extends Error {
     super(message);
     this.status = status;
     this.errors = errors;
+  }
+
+  /** Whether the same request would be refused again: what it asks for is wrong. */
+  get isFinal() {
+    return FINAL_STATUSES.includes(this.status);
   }
 }
 
@@ -43,13 +49,15 @@ export function isDropped(error) {
  * The address of a resource, with the parameters that are set.
  *
  * @param {string} path
- * @param {object} [parameters] by name, of texts, numbers and truth values
+ * @param {object} [parameters] by name, of texts, numbers, truth values, and lists of them
  * @returns {string}
  */
 export function address(path, parameters = {}) {
   const query = new URLSearchParams();
   for (const [name, value] of Object.entries(parameters)) {
-    if (value !== null && value !== undefined && value !== "") query.set(name, String(value));
+    for (const each of [value].flat()) {
+      if (each !== null && each !== undefined && each !== "") query.append(name, String(each));
+    }
   }
   return PREFIX + path + (query.size > 0 ? `?${query}` : "");
 }
@@ -113,8 +121,7 @@ async function send(url, options) {
 async function refusal(response) {
   const { status, statusText } = response;
   if (status === 401) {
-    const advice = "This browser is not signed in. Open the link that `d3pg serve` printed.";
-    return new Refusal(status, advice);
+    return new Refusal(status, "This browser is not signed in.");
   }
   try {
     /** @type {Partial<Api.Problem>} */

@@ -1,22 +1,12 @@
-const FIRST_RETRY_MILLISECONDS = 1000;
-const LONGEST_RETRY_MILLISECONDS = 15000;
+import { Broadcast } from "./broadcast.js";
 
-/** @typedef {"sweep" | "run" | "measurements" | "reload"} Kind */
-/** @typedef {{ sweep_id?: string, run_id?: string }} Payload what a change concerns */
+/** @import { Kind, News, Payload } from "./broadcast.js" */
 
-/** @type {Kind[]} */
-const KINDS = ["sweep", "run", "measurements", "reload"];
-
-/**
- * The one event stream of this tab. When it breaks the browser opens it again and sends
- * Last-Event-ID, so the service goes on where it broke off, or says "reload" where it cannot.
- */
+/** What this tab hears of the browser's one event stream. */
 export class EventStream {
-  #url;
   #listener;
-  /** @type {EventSource | null} */
-  #source = null;
-  #retryAfter = FIRST_RETRY_MILLISECONDS;
+  /** @type {MessagePort | null} */
+  #port = null;
 
   /**
    * @typedef {object} Listener
@@ -24,11 +14,9 @@ export class EventStream {
    * @property {() => void} lost   it broke
    * @property {(kind: Kind, payload: Payload) => void} change
    *
-   * @param {string} url
    * @param {Listener} listener
    */
-  constructor(url, listener) {
-    this.#url = url;
+  constructor(listener) {
     this.#listener = listener;
     window.addEventListener("pagehide", () => this.close());
     window.addEventListener("pageshow", (event) => {
@@ -37,31 +25,38 @@ export class EventStream {
   }
 
   open() {
-    const source = new EventSource(this.#url);
-    this.#source = source;
-    source.addEventListener("open", () => {
-      this.#retryAfter = FIRST_RETRY_MILLISECONDS;
-      this.#listener.live();
-    });
-    source.addEventListener("error", () => this.#lost(source));
-    for (const kind of KINDS) {
-      source.addEventListener(kind, ({ data }) => this.#listener.change(kind, JSON.parse(data)));
-    }
+    this.#port = connected();
+    this.#port.addEventListener("message", ({ data }) => this.#hear(data));
+    this.#port.start();
   }
 
-  /** End it for good: also an attempt that is still to come. */
+  /** End it for good. */
   close() {
-    this.#source?.close();
-    this.#source = null;
+    this.#port?.postMessage("enough");
+    this.#port?.close();
+    this.#port = null;
   }
 
-  /** @param {EventSource} source */
-  #lost(source) {
-    if (source !== this.#source) return;
-    this.#listener.lost();
-    if (source.readyState !== EventSource.CLOSED) return;
-    // A refusal (a proxy's 502, say) ends the browser's own attempts: go on with ours.
-    setTimeout(() => source === this.#source && this.open(), this.#retryAfter);
-    this.#retryAfter = Math.min(2 * this.#retryAfter, LONGEST_RETRY_MILLISECONDS);
+  /** @param {News} news */
+  #hear({ kind, payload = {} }) {
+    if (kind === "live") this.#listener.live();
+    else if (kind === "lost") this.#listener.lost();
+    else this.#listener.change(kind, payload);
   }
+}
+
+/**
+ * A port to the worker that all tabs share; where a browser has no such workers, as some on phones,
+ * to a stream of this tab.
+ *
+ * @returns {MessagePort}
+ */
+function connected() {
+  if ("SharedWorker" in globalThis) {
+    const script = new URL("./stream_worker.js", import.meta.url);
+    return new SharedWorker(script, { type: "module", name: "d3pg events" }).port;
+  }
+  const { port1, port2 } = new MessageChannel();
+  new Broadcast().add(port1);
+  return port2;
 }

@@ -1,26 +1,29 @@
 /** Ties a page to the service: fetch at first, on changes, and after a lost connection. */
+import { updateTimes } from "../parts/status.js";
 import { EventStream } from "./events.js";
 import * as connection from "./state.js";
 
-/** @import { Kind, Payload } from "./events.js" */
+/** @import { Kind, Payload } from "./broadcast.js" */
 
 const FIRST_FETCH_MILLISECONDS = 500;
 const READINESS_MILLISECONDS = 5000;
+const TICK_MILLISECONDS = 5000;
+const SIGNED_OUT = 401;
 
 /**
- * @param {string} url of the event stream
+ * @param {string} sweep the id of the sweep whose changes matter; "" for those of all
  * @param {(kind: Kind, payload?: Payload) => void} refetch asks for what a change of this kind may
  *   have touched, and for everything when the kind is "reload"
  * @returns {EventStream} the stream
  */
-export function follow(url, refetch) {
+export function follow(sweep, refetch) {
   let begun = false; // a stream's first message is "reload"
   let missed = false;
   const reload = () => {
     begun = true;
     refetch("reload");
   };
-  const stream = new EventStream(url, {
+  const stream = new EventStream({
     live: () => {
       connection.live();
       if (missed) reload();
@@ -32,11 +35,12 @@ export function follow(url, refetch) {
     },
     change: (kind, payload) => {
       if (kind === "reload") reload();
-      else refetch(kind, payload);
+      else if (sweep === "" || payload.sweep_id === sweep) refetch(kind, payload);
     },
   });
   stream.open();
   watchReadiness();
+  setInterval(updateTimes, TICK_MILLISECONDS);
   setTimeout(() => {
     if (!begun) reload();
   }, FIRST_FETCH_MILLISECONDS);
@@ -46,22 +50,20 @@ export function follow(url, refetch) {
 /** Asks now and then what the service lacks, for the banner: space on a disk, a cluster. */
 function watchReadiness() {
   setTimeout(async () => {
-    if (!document.hidden) connection.lacks(await problem());
+    if (!document.hidden) await askReadiness();
     watchReadiness();
   }, READINESS_MILLISECONDS);
 }
 
-/**
- * The first sentence of `/readyz` that tells of something; that nobody answers is told elsewhere.
- *
- * @returns {Promise<string>}
- */
-async function problem() {
+/** Says the first sentence of `/readyz` that tells of something; silence is told elsewhere. */
+async function askReadiness() {
   try {
+    const response = await fetch("/readyz");
+    if (response.status === SIGNED_OUT) return connection.signedOut();
     /** @type {Api.Readiness} */
-    const { checks } = await (await fetch("/readyz")).json();
-    return checks.find((check) => check.problem)?.problem ?? "";
+    const { checks } = await response.json();
+    return connection.lacks(checks.find((check) => check.problem)?.problem ?? "");
   } catch {
-    return "";
+    return connection.lacks("");
   }
 }

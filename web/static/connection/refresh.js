@@ -1,4 +1,4 @@
-import { isDropped } from "./api.js";
+import { isDropped, Refusal } from "./api.js";
 
 const RETRY_MILLISECONDS = 5000;
 
@@ -17,7 +17,8 @@ export class Refresh {
    * @typedef {object} Options
    * @property {number} interval   milliseconds between the starts of two fetches; more when fetches
    *   are slow, so that at least half of the time is left to others
-   * @property {(error: Error) => void} onError   the work is tried again after five seconds
+   * @property {(error: Error) => void} onError   the work is tried again after five seconds, unless
+   *   what it asked for is wrong
    *
    * @param {(signal: AbortSignal) => Promise<void>} work what fetches and shows
    * @param {Options} options
@@ -59,7 +60,9 @@ export class Refresh {
       await this.#work(this.#current.signal);
     } catch (error) {
       if (!isDropped(error)) {
-        failed = this.#wanted = true;
+        const isFinal = error instanceof Refusal && error.isFinal;
+        failed = !isFinal;
+        this.#wanted ||= failed;
         this.#onError(/** @type {Error} */ (error));
       }
     }

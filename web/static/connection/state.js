@@ -1,20 +1,24 @@
 /** What the masthead and the banner say about the connection to the service. */
-import { at, setText } from "../parts/element.js";
+import { at, element, setText } from "../parts/element.js";
 import { timeOfDay } from "../texts/format.js";
+import { Refusal } from "./api.js";
 
 const state = at("connection");
 const banner = at("banner");
 const CAUGHT_UP_MILLISECONDS = 4000;
+const NOT_FOUND = 404;
 
 /** @type {Date | null} */
 let lostAt = null; // since when what is shown may be old; null while it is not
 let trouble = false; // whether the banner shows an error of a fetch
+let isSignedOut = false;
 let lacking = ""; // what the service says it lacks: a disk with space, a cluster
 /** @type {ReturnType<typeof setTimeout> | undefined} */
 let hiding = 0;
 
 /** The stream broke: say so at once, and from when the figures on the page are. */
 export function lost() {
+  if (isSignedOut) return;
   lostAt ??= new Date();
   show("lost", "Offline");
   say(
@@ -25,7 +29,18 @@ export function lost() {
 
 /** The stream is open; whether the page has caught up is told by `fresh`. */
 export function live() {
+  isSignedOut = false;
   show("live", "Live");
+}
+
+/** The service does not know this browser any more: its token is another one. */
+export function signedOut() {
+  isSignedOut = true;
+  lostAt ??= new Date();
+  show("lost", "Signed out");
+  const here = new URLSearchParams({ next: location.pathname + location.search });
+  const link = element("a", { href: `/signin?${here}` }, "Sign in");
+  say("This browser is not signed in any more: the service has another token now. ", link, ".");
 }
 
 /** Everything on the page was just fetched. */
@@ -47,9 +62,25 @@ export function fresh() {
  * @param {Error} error
  */
 export function failed(error) {
+  if (error instanceof Refusal && error.status === 401) signedOut();
   if (lostAt !== null) return;
-  trouble = true;
-  say(`${error.message} Trying again …`);
+  if (error instanceof Refusal && error.isFinal) refusedToShow(error);
+  else {
+    trouble = true;
+    say(`${error.message} Trying again …`);
+  }
+}
+
+/**
+ * What the address asks for cannot be had: said where it would be, for as long as it is asked for.
+ *
+ * @param {Refusal} refusal
+ */
+function refusedToShow({ status, message }) {
+  if (status === NOT_FOUND) return; // which the page itself says
+  const place = at("loading");
+  setText(place, `${message} Choose something else above, or reset the view.`);
+  place.hidden = false;
 }
 
 /**
@@ -88,9 +119,10 @@ function show(name, text) {
   setText(state, text);
 }
 
-/** @param {string} text */
-function say(text) {
+/** @param {(string | Node)[]} parts */
+function say(...parts) {
   clearTimeout(hiding);
-  setText(banner, text);
   banner.hidden = false;
+  const text = element("span", {}, ...parts);
+  if (banner.textContent !== text.textContent) banner.replaceChildren(...text.childNodes);
 }

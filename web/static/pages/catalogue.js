@@ -1,5 +1,5 @@
 /** The catalogue: environments with the audit of their derivatives, algorithms with settings. */
-import { address, get } from "../connection/api.js";
+import { get } from "../connection/api.js";
 import { follow } from "../connection/live.js";
 import { Refresh } from "../connection/refresh.js";
 import * as connection from "../connection/state.js";
@@ -14,7 +14,7 @@ const refresh = new Refresh(load, {
   interval: 1000,
   onError: (error) => connection.failed(error),
 });
-follow(address("/events"), (kind) => {
+follow("", (kind) => {
   if (kind === "reload") refresh.request();
 });
 

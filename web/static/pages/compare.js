@@ -1,45 +1,30 @@
 /** Two or more sweeps or runs: their curves on one axis, their settings side by side. */
-import { Legend } from "../charts/legend.js";
-import { MetricChoice } from "../charts/metric_choice.js";
-import { Panel } from "../charts/panel.js";
-import { isNormalized, question } from "../charts/question.js";
-import { address, get, refusalOf } from "../connection/api.js";
+import { MetricChoice } from "../curves/metric_choice.js";
+import { question } from "../curves/question.js";
+import { CurvesSection } from "../curves/section.js";
+import { get, refusalOf } from "../connection/api.js";
 import { follow } from "../connection/live.js";
 import { Refresh } from "../connection/refresh.js";
 import * as connection from "../connection/state.js";
 import { Controls } from "../parts/controls.js";
 import { at, element, keyed, setText } from "../parts/element.js";
-import { identities } from "../parts/identity.js";
-import { CURVE_FIELDS, flag, list, name, oneOf, View, xLabel } from "../parts/view.js";
+import { COMPARISON_FIELDS, flag, list, View } from "../parts/view.js";
 import { comparedRun, comparedSweep, overlaid, overlaidEntries } from "../sweep/compared.js";
 import { fillDifferences } from "../sweep/differences.js";
 
 const OFFERED = 200;
 
 const view = new View({
-  ...CURVE_FIELDS,
+  ...COMPARISON_FIELDS,
   sweep: list, // ids
   run: list, // ids
-  metric: name("return_mean"),
-  scale: oneOf("normalized", "raw"),
-  band: oneOf("std", "ci95", "iqr", "none"),
-  seeds: flag,
-  hide: list, // labels of curves
   same: flag, // whether settings that agree are shown
 });
-/**
- * @import { Shown } from "../charts/panel.js"
- * @import { Compared } from "../sweep/compared.js"
- */
+/** @import { Compared } from "../sweep/compared.js" */
 
 const same = at("same", HTMLInputElement);
 const offered = at("add", HTMLSelectElement);
-const legend = new Legend(at("legend"), view);
-const showPanels = keyed(
-  at("panels"),
-  (/** @type {Shown} */ { panel }) => panel.environment,
-  ({ panel }) => new Panel(panel.environment, view),
-);
+const curves = new CurvesSection(view);
 const showChosen = keyed(at("chosen"), ({ id }) => id, chip);
 const refresh = new Refresh(load, {
   interval: 2000,
@@ -52,7 +37,7 @@ if (view.get("run").length > 0) view.set({ band: "none" }); // a single run has 
 new Controls(at("controls", HTMLFormElement), view);
 new MetricChoice(at("controls", HTMLFormElement), view);
 
-follow(address("/events"), (kind) => {
+follow("", (kind) => {
   if (kind !== "run") refresh.request();
 });
 offerSweeps();
@@ -88,19 +73,11 @@ async function load(signal) {
 }
 
 function draw() {
-  const panels = overlaid(compared);
-  const known = identities(overlaidEntries(compared));
-  const axes = {
-    xLabel: xLabel(view.get("x")),
-    yLabel: isNormalized(view) ? `normalised ${view.get("metric")}` : view.get("metric"),
-    xMax: null,
-  };
   const isEmpty = compared.length === 0;
   at("curves").hidden = at("settings").hidden = isEmpty;
   showChosen(compared);
   if (isEmpty) return;
-  legend.update(known, panels);
-  showPanels(panels.map((panel) => ({ panel, known, axes })));
+  curves.draw(overlaid(compared), overlaidEntries(compared), null);
   const table = at("differences", HTMLTableElement);
   const differing = fillDifferences(table, compared, view.get("same"));
   at("alike").hidden = differing > 0 || compared.length < 2;

@@ -38,7 +38,7 @@ let run = null;
 /** @type {Columns | null} */
 let columns = null;
 
-const stream = follow(address(`/sweeps/${id.split("-")[0]}/events`), (_, payload) => {
+const stream = follow(id.split("-")[0], (_, payload) => {
   if (payload?.run_id !== undefined && payload.run_id !== id) return;
   refreshRun.request();
   refreshCurves.request();

@@ -1,5 +1,5 @@
 /** The runs of a sweep: a page of them at a time, filtered and sorted by the service. */
-import { address, get } from "../connection/api.js";
+import { get } from "../connection/api.js";
 import { follow } from "../connection/live.js";
 import { Refresh } from "../connection/refresh.js";
 import * as connection from "../connection/state.js";
@@ -41,7 +41,7 @@ let listed = [];
 /** @type {string | null} */
 let next = null; // the cursor of the page after this one
 
-const stream = follow(address(`/sweeps/${id}/events`), () => {
+const stream = follow(id, () => {
   refreshSweep.request();
   refreshRuns.request();
 });

@@ -1,34 +1,28 @@
 /** A sweep's page: its state, its curves as they grow, its scores. */
-import { toCsv } from "../charts/curve_table.js";
-import { Legend } from "../charts/legend.js";
-import { MetricChoice } from "../charts/metric_choice.js";
-import { Panel } from "../charts/panel.js";
-import { question } from "../charts/question.js";
-import { address, get } from "../connection/api.js";
+import { toCsv } from "../curves/curve_table.js";
+import { MetricChoice } from "../curves/metric_choice.js";
+import { question } from "../curves/question.js";
+import { CurvesSection } from "../curves/section.js";
+import { get } from "../connection/api.js";
 import { follow } from "../connection/live.js";
 import { Refresh } from "../connection/refresh.js";
 import * as connection from "../connection/state.js";
 import { Controls } from "../parts/controls.js";
-import { at, keyed, setText } from "../parts/element.js";
-import { identities } from "../parts/identity.js";
-import { CURVE_FIELDS, flag, list, name, oneOf, text, View, xLabel } from "../parts/view.js";
+import { at, setText } from "../parts/element.js";
+import { COMPARISON_FIELDS, flag, oneOf, text, View } from "../parts/view.js";
+import { FigureBuilder } from "../sweep/figure_builder.js";
+import { FIGURE_FIELDS } from "../sweep/figure_query.js";
 import { SweepHead } from "../sweep/head.js";
 import { PaperFigures } from "../sweep/paper_figures.js";
 import { ScoreTable } from "../sweep/scores.js";
 import { Statistics } from "../sweep/statistics.js";
 import { Verdict } from "../sweep/verdict.js";
 
-/** @import { Shown } from "../charts/panel.js" */
-
 const id = at("sweep").dataset.sweep ?? "";
 
 const view = new View({
-  ...CURVE_FIELDS,
-  metric: name("return_mean"),
-  scale: oneOf("normalized", "raw"),
-  band: oneOf("std", "ci95", "iqr", "none"),
-  seeds: flag,
-  hide: list, // labels of curves
+  ...COMPARISON_FIELDS,
+  ...FIGURE_FIELDS,
   score: oneOf("final", "return_history", "area"),
   sort: text, // the environment by which the score table is sorted
   figures: flag, // whether the paper's are open
@@ -37,12 +31,8 @@ const view = new View({
 new Controls(at("controls", HTMLFormElement), view);
 new Controls(at("score-controls", HTMLFormElement), view);
 const metrics = new MetricChoice(at("controls", HTMLFormElement), view);
-const legend = new Legend(at("legend"), view);
-const showPanels = keyed(
-  at("panels"),
-  (/** @type {Shown} */ { panel }) => panel.environment,
-  ({ panel }) => new Panel(panel.environment, view),
-);
+const curves = new CurvesSection(view);
+const builder = new FigureBuilder(id, view);
 
 /** @type {Api.Curves | null} */
 let comparison = null; // the latest curves, and the question that they answer
@@ -51,7 +41,7 @@ let answered = "";
 const onError = (/** @type {Error} */ error) => connection.failed(error);
 const refreshSweep = new Refresh(loadSweep, { interval: 1000, onError });
 const refreshCurves = new Refresh(loadCurves, { interval: 500, onError });
-const refreshMetrics = new Refresh(loadMetrics, { interval: 30_000, onError });
+const refreshMetrics = new Refresh(loadMetrics, { interval: 3000, onError });
 const refreshScores = new Refresh((signal) => scores.load(signal), { interval: 3000, onError });
 const refreshStatistics = new Refresh((signal) => statistics.load(signal), {
   interval: 10_000,
@@ -65,7 +55,7 @@ const statistics = new Statistics(id, view, entries, () => refreshStatistics.hur
 const verdict = new Verdict(id, entries);
 const refreshVerdict = new Refresh((signal) => verdict.load(signal), { interval: 5000, onError });
 
-const stream = follow(address(`/sweeps/${id}/events`), (kind) => {
+const stream = follow(id, (kind) => {
   refreshSweep.request();
   requestVerdict();
   if (kind === "run") return;
@@ -74,14 +64,12 @@ const stream = follow(address(`/sweeps/${id}/events`), (kind) => {
 });
 
 view.onChange(() => {
-  showDownloads();
   if (JSON.stringify(question(view)) !== answered) refreshCurves.hurry();
   else draw();
 });
 document.addEventListener("themechange", draw);
 at("download-csv").addEventListener("click", downloadCsv);
 at("copy-link").addEventListener("click", copyLink);
-showDownloads();
 
 /** @param {AbortSignal} signal */
 async function loadSweep(signal) {
@@ -134,14 +122,9 @@ async function loadMetrics(signal) {
 function draw() {
   if (head.sweep === null || comparison === null) return;
   if (JSON.stringify(question(view)) !== answered) return;
-  const known = identities(entries());
-  const axes = {
-    xLabel: xLabel(comparison.x),
-    yLabel: comparison.normalized ? `normalised ${comparison.metric}` : comparison.metric,
-    xMax: comparison.x === "timesteps" ? timestepsOf(head.sweep.request) : null,
-  };
-  legend.update(known, comparison.panels);
-  showPanels(comparison.panels.map((panel) => ({ panel, known, axes })));
+  const xMax = comparison.x === "timesteps" ? timestepsOf(head.sweep.request) : null;
+  curves.draw(comparison.panels, entries(), xMax);
+  builder.update(comparison.panels, entries());
   setText(at("definition"), comparison.definition);
 }
 
@@ -153,15 +136,6 @@ function draw() {
  */
 function timestepsOf({ timesteps, scale = 1 }) {
   return scale === 1 ? (timesteps ?? null) : null;
-}
-
-function showDownloads() {
-  const { normalized, band, x } = question(view);
-  for (const form of ["png", "svg", "pdf"]) {
-    const link = at(`download-${form}`, HTMLAnchorElement);
-    link.href = address(`/sweeps/${id}/plot.${form}`, { normalized, band, x });
-    link.download = `sweep-${id}.${form}`;
-  }
 }
 
 function downloadCsv() {

@@ -1,11 +1,11 @@
 /** The list of sweeps, newest first, as they progress. */
-import { address, get, refusalOf } from "../connection/api.js";
+import { get, refusalOf } from "../connection/api.js";
 import { follow } from "../connection/live.js";
 import { Listing } from "../connection/paging.js";
 import { Refresh } from "../connection/refresh.js";
 import * as connection from "../connection/state.js";
 import { at, element, keyed, setText, within } from "../parts/element.js";
-import { statusCounts, timeElement, updateTimes } from "../parts/status.js";
+import { statusCounts, timeElement } from "../parts/status.js";
 import { text, View } from "../parts/view.js";
 import { Submission } from "../submit/submission.js";
 import { cancelSweep } from "../sweep/moves.js";
@@ -22,8 +22,7 @@ const refresh = new Refresh(load, {
 });
 
 new Submission(new View({ new: text }));
-follow(address("/events"), () => refresh.request());
-setInterval(updateTimes, 20_000);
+follow("", () => refresh.request());
 at("more").addEventListener("click", () => {
   listing.extend();
   refresh.hurry();

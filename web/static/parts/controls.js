@@ -16,6 +16,7 @@ export class Controls {
     this.#view = view;
     form.addEventListener("submit", (event) => event.preventDefault());
     form.addEventListener("input", (event) => this.#onInput(/** @type {Input} */ (event.target)));
+    form.addEventListener("change", (event) => this.#onChange(/** @type {Input} */ (event.target)));
     this.#reset?.addEventListener("click", () => view.reset());
     view.onChange(() => this.update());
     this.update();
@@ -28,7 +29,7 @@ export class Controls {
     for (const input of inputs) {
       const value = this.#view.get(String(input.dataset.field));
       if (isChoice(input)) input.checked = input.type === "radio" ? input.value === value : value;
-      else input.value = value;
+      else input.value = value ?? "";
     }
     const output = this.#form.elements.namedItem("smoothing_value");
     if (output instanceof HTMLOutputElement) output.value = this.#view.get("smoothing") || "off";
@@ -44,10 +45,21 @@ export class Controls {
   /** @param {Input} input */
   #onInput(input) {
     const { field } = input.dataset;
-    if (field === undefined) return;
+    if (field === undefined || input.type === "number") return;
     if (isChoice(input) && input.type === "checkbox") this.#view.set({ [field]: input.checked });
-    else if (input.type === "range") this.#view.set({ [field]: Number(input.value) });
+    else if (typeof this.#view.get(field) === "number") this.#view.set({ [field]: Number(input.value) });
     else this.#view.set({ [field]: input.value });
+  }
+
+  /**
+   * A number counts when it is whole: "0." on the way to 0.5 is none.
+   *
+   * @param {Input} input
+   */
+  #onChange(input) {
+    const { field } = input.dataset;
+    if (field === undefined || input.type !== "number") return;
+    this.#view.set({ [field]: input.value === "" ? null : Number(input.value) });
   }
 }
 

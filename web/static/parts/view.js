@@ -30,6 +30,12 @@ export const flag = {
   parse: ([text]) => (text === "1" ? true : null),
   format: (value) => (value ? ["1"] : []),
 };
+/** @type {Field<boolean>} */
+export const on = {
+  initial: true,
+  parse: ([text]) => (text === "0" ? false : null),
+  format: (value) => (value ? [] : ["0"]),
+};
 /** @type {(initial: string) => Field<string>} */
 export const name = (initial) => ({
   initial,
@@ -53,6 +59,12 @@ export const whole = {
   initial: 0,
   parse: ([text]) => (/^\d{1,9}$/.test(text) ? Number(text) : null),
   format: (value) => [String(value)],
+};
+/** @type {Field<number | null>} */
+export const limit = {
+  initial: null,
+  parse: ([text]) => (text !== "" && Number.isFinite(Number(text)) ? Number(text) : null),
+  format: (value) => (value === null ? [] : [String(value)]),
 };
 /** @type {Field<string[]>} */
 export const list = {
@@ -78,7 +90,31 @@ export const CURVE_FIELDS = {
   logx: flag,
   logy: flag,
   smoothing: share,
+  from: limit, // of the x axis, as zoomed
+  to: limit,
+  ymin: limit,
+  ymax: limit,
+  robust: flag, // whether the y axis leaves outliers out
   table: list, // charts whose table is open
+};
+
+/** Which curves of many are shown. */
+export const SELECTION_FIELDS = {
+  hide: list, // labels
+  match: text, // words of labels
+  top: whole, // how many of the highest; 0 for all
+  order: oneOf("submitted", "value"), // of the legend
+};
+
+/** How the curves of many learners in many tasks are looked at. */
+export const COMPARISON_FIELDS = {
+  ...CURVE_FIELDS,
+  ...SELECTION_FIELDS,
+  metric: name("return_mean"),
+  scale: oneOf("normalized", "raw"),
+  band: oneOf("std", "ci95", "iqr", "none"),
+  seeds: flag, // each as a line
+  align: flag, // whether all panels have one y axis
 };
 
 /** @template {Record<string, Field<any>>} F */

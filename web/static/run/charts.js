@@ -1,9 +1,10 @@
 /** The charts of one run, which share their cursor. */
-import { slicer, yScale } from "../charts/drawing.js";
 import { ChartFigure, remembersTable } from "../charts/figure.js";
-import { smooth } from "../charts/smoothing.js";
+import { slicer } from "../charts/layers.js";
+import { xLimits, yLimits } from "../charts/limits.js";
+import { smooth, yScale } from "../charts/y_scale.js";
 import { element, keyed } from "../parts/element.js";
-import { algorithmColour, dashPattern } from "../parts/palette.js";
+import { algorithmColour, dashPattern, shades } from "../parts/palette.js";
 import { xLabel } from "../parts/view.js";
 import { count, number } from "../texts/format.js";
 import { abscissa, chartsOf } from "./diagnostics.js";
@@ -55,7 +56,10 @@ class RunChart {
   constructor(title, view) {
     this.#title = title;
     const texts = { title, label: title };
-    this.#figure = new ChartFigure(texts, "run", remembersTable(view, title));
+    this.#figure = new ChartFigure(texts, "run", {
+      onToggle: remembersTable(view, title),
+      onZoom: (from, to) => view.set({ from, to }),
+    });
   }
 
   get node() {
@@ -98,32 +102,36 @@ function runData({ title, names }, run, columns, view) {
   const x = abscissa(columns, view.get("x"));
   const from = view.get("logx") ? x.findIndex((value) => value > 0) : 0;
   const rest = slicer(from);
+  const marks = title.startsWith("Direction") ? [0, 1] : [];
+  const values = names.flatMap((name) => rest(columns[name]).filter((value) => value !== null));
+  const scale = yScale([...values, ...marks], view.get("logy"));
+  const tints = shades(algorithmColour(run.algorithm), names.length);
   const curves = names.map((name, i) => {
     const mean = rest(columns[name]);
     const weight = view.get("smoothing");
     /** @type {Curve} */
     const drawn = {
       label: name,
-      colour: algorithmColour(run.algorithm),
+      colour: tints[i],
       dash: dashPattern(i),
       x: rest(x),
       mean,
-      line: weight > 0 ? smooth(mean, weight) : mean,
+      line: weight > 0 ? smooth(mean, weight, scale) : mean,
       n: mean.map(() => 1),
     };
     return weight > 0 ? { ...drawn, raw: mean } : drawn;
   });
-  const marks = title.startsWith("Direction") ? [0, 1] : [];
   const references = marks.map((value) => ({ value, label: "" }));
   const max = view.get("x") === "timesteps" ? run.timesteps : null;
   return {
     curves,
     references,
-    x: { label: xLabel(view.get("x")), log: view.get("logx"), max },
+    x: { label: xLabel(view.get("x")), log: view.get("logx"), max, ...xLimits(view) },
     y: {
       label: names.length === 1 ? names[0] : title.toLowerCase(),
       anchors: marks,
-      ...yScale(curves, references, view.get("logy")),
+      ...scale,
+      ...yLimits(view, values),
     },
   };
 }

@@ -62,11 +62,13 @@ export class LearnerFields {
   }
 
   /**
-   * Say which of the chosen environments it takes no part in; without any it cannot be chosen.
+   * Say which of the chosen environments it takes no part in, without any of which it cannot be
+   * chosen, and what runs in the others where a field is left empty.
    *
    * @param {string[]} chosen
    */
   limit(chosen) {
+    this.#showPresets(this.#able(chosen));
     const lacking = chosen.filter((each) => !(each in this.algorithm.presets));
     const left = chosen.filter((each) => this.#only !== null && !this.#only.includes(each));
     this.#box.disabled = !this.isChosen && chosen.length > 0 && this.#able(chosen).length === 0;
@@ -76,6 +78,19 @@ export class LearnerFields {
     ]
       .filter(Boolean)
       .join("; ");
+  }
+
+  /** @param {string[]} environments */
+  #showPresets(environments) {
+    const presets = environments.map((name) => ({ name, ...this.algorithm.presets[name] }));
+    for (const { input, setting } of this.#settings) {
+      const values = presets.map(({ name, config }) => {
+        return { name, text: settingText(config[setting.name] ?? setting.initial) };
+      });
+      input.placeholder = presetText(values, settingText(setting.initial));
+    }
+    const pairs = presets.map(({ name, weights: { w1, w2 } }) => ({ name, text: `${w1}, ${w2}` }));
+    this.#weights.input.placeholder = presetText(pairs, "the preset’s");
   }
 
   /**
@@ -156,7 +171,6 @@ function weightsField(name) {
   const input = element("input", {
     "type": "text",
     id,
-    "placeholder": "the preset’s",
     "autocomplete": "off",
     "aria-describedby": hint.id,
   });
@@ -171,10 +185,32 @@ function weightsField(name) {
  */
 function settingField(name, setting) {
   const id = `setting-${name}-${setting.name}`;
-  const placeholder = String(setting.initial ?? "");
-  const input = element("input", { type: "text", id, placeholder, autocomplete: "off" });
+  const input = element("input", { type: "text", id, autocomplete: "off" });
   const label = element("label", { for: id }, `${setting.name} (${setting.kind})`);
   return { input, setting, node: element("div", { class: "field" }, label, input) };
+}
+
+/**
+ * What presets say in some environments: one value, or each with its environment.
+ *
+ * @param {{ name: string, text: string }[]} values
+ * @param {string} usual what is said without any environment
+ * @returns {string}
+ */
+export function presetText(values, usual) {
+  const texts = [...new Set(values.map(({ text }) => text))];
+  if (texts.length < 2) return texts[0] ?? usual;
+  const where = (/** @type {string} */ text) => values.filter((each) => each.text === text);
+  const parts = texts.map((text) => `${text} in ${where(text).map(({ name }) => name).join(", ")}`);
+  return parts.join("; ");
+}
+
+/**
+ * @param {unknown} value
+ * @returns {string}
+ */
+function settingText(value) {
+  return value === undefined || value === null ? "" : JSON.stringify(value).replaceAll('"', "");
 }
 
 /**

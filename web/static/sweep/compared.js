@@ -6,7 +6,7 @@ import { get } from "../connection/api.js";
 import { flat } from "../parts/facts.js";
 
 /**
- * @import { Question } from "../charts/question.js"
+ * @import { Question } from "../curves/question.js"
  *
  * @typedef {Pick<Api.Entry, "label" | "algorithm">} Entry
  *

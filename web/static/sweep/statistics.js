@@ -1,5 +1,6 @@
 /** What a sweep says of its learners over all tasks; asked for while it is open. */
 import { ChartFigure } from "../charts/figure.js";
+import { yScale } from "../charts/y_scale.js";
 import { get, refusalOf } from "../connection/api.js";
 import { at, element, setText, within } from "../parts/element.js";
 import { identities, identityOf } from "../parts/identity.js";
@@ -18,6 +19,9 @@ import { interval, scaleOf } from "./interval.js";
  * @property {Field<boolean>} statistics
  * @property {Field<"final" | "return_history" | "area">} score
  */
+
+/** @type {import("../charts/limits.js").Limits} */
+const NO_LIMITS = [null, null];
 
 export class Statistics {
   #id;
@@ -72,7 +76,7 @@ export class Statistics {
     const profiles = (this.#profiles ??= new ChartFigure(
       { title: "Performance profiles", label: "Performance profiles" },
       "profiles",
-      () => {},
+      { onToggle: () => {} },
     ));
     at("statistics-body").replaceChildren(
       element(
@@ -105,8 +109,8 @@ function drawProfiles(figure, { definition, thresholds, profiles }, known, count
   const data = {
     curves,
     references: [],
-    x: { label: "normalised return", log: false, max: null },
-    y: { label: "share of runs above", scale: "linear", linearWithin: 1, anchors: [0, 1] },
+    x: { label: "normalised return", log: false, max: null, limits: NO_LIMITS },
+    y: { label: "share of runs above", anchors: [0, 1], ...yScale([], false), limits: NO_LIMITS },
   };
   const isOpen = within(figure.node, "details", HTMLDetailsElement).open;
   const texts = { caption: definition, abscissa: "return" };

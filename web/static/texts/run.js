@@ -1,5 +1,5 @@
 /** A run in words, and what can be done to it as it stands. */
-import { duration, secondsBetween } from "./format.js";
+import { duration } from "./format.js";
 
 /**
  * @param {Pick<Api.Run, "status" | "is_cancelling">} run
@@ -31,13 +31,13 @@ export function activityText(run) {
 }
 
 /**
- * How long it took from its first start to its end; "" while it has not ended.
+ * How long workers worked on it, waits between attempts left out; "" while it has not ended.
  *
- * @param {Pick<Api.Run, "started_at" | "finished_at">} run
+ * @param {Pick<Api.Run, "worked_seconds" | "finished_at">} run
  * @returns {string}
  */
-export function tookText({ started_at: start, finished_at: end }) {
-  return start && end ? duration(secondsBetween(start, end)) : "";
+export function tookText({ worked_seconds: seconds, finished_at: end }) {
+  return end && seconds !== null ? duration(seconds) : "";
 }
 
 /**

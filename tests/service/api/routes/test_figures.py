@@ -1,7 +1,10 @@
 """Figures over REST: files with the same bytes each time, and those of the paper."""
 
+import csv
+import io
 import xml.dom.minidom
 from pathlib import Path
+from typing import Any
 
 import pytest
 from fastapi import FastAPI
@@ -73,8 +76,12 @@ def test_a_figure_of_too_many_curves_is_refused(client: TestClient) -> None:
 
 
 def texts(svg: bytes) -> str:
-    """What an SVG of ours says: its letters are drawn, and the text stands beside in comments."""
-    return " ".join(part.partition("-->")[0].strip() for part in svg.decode().split("<!--")[1:])
+    """What an SVG of ours says."""
+    document = xml.dom.minidom.parseString(svg)  # noqa: S318 - our own
+    return " ".join(
+        "".join(node.data for node in element.childNodes if node.nodeType == node.TEXT_NODE)
+        for element in document.getElementsByTagName("text")
+    )
 
 
 def test_a_figure_of_the_paper_shows_its_algorithms_and_its_definition(
@@ -184,3 +191,100 @@ def test_when_too_many_wait_it_says_so(
     assert refusal.status_code == 503
     assert refusal.headers["retry-after"] == "5"
     assert "16 others wait" in refusal.json()["detail"]
+
+
+def test_a_figure_shows_what_is_asked_in_that_order_and_under_those_names(
+    reader: TestClient, trained: str
+) -> None:
+    labels = [curve["label"] for curve in curves_of(reader, trained)]
+    query = {
+        "metric": "return_mean",
+        "environment": ["Pendulum", "MassPoint"],
+        "entry": [labels[1], labels[0]],
+        "name": f"{labels[1]}=ours",
+        "colour": f"{labels[1]}=#123456",
+        "title": False,
+        "caption": False,
+    }
+    svg = reader.get(f"{trained}/plot.svg", params=query)
+    assert svg.status_code == 200, svg.text
+    said = texts(svg.content)
+    assert said.index("Pendulum") < said.index("MassPoint")
+    assert said.index("ours") < said.index(labels[0])
+    assert labels[1] not in said.split()
+    assert "return_history" not in said
+    assert "Normalised: 0 is" not in said
+    assert "#123456" in svg.text
+
+
+def test_a_figure_s_data_are_what_it_draws(reader: TestClient, trained: str) -> None:
+    query = {"metric": "return_mean", "environment": "Pendulum", "band": "ci95"}
+    answer = reader.get(f"{trained}/plot.csv", params=query)
+    assert answer.headers["content-type"].startswith("text/csv")
+    rows = list(csv.DictReader(io.StringIO(answer.text)))
+    curve = curves_of(reader, trained, band="ci95")[0]
+    own = [row for row in rows if row["entry"] == curve["label"]]
+    assert [float(row["mean"]) for row in own] == pytest.approx(curve["mean"], rel=1e-8)
+    assert [float(row["low"]) for row in own] == pytest.approx(curve["low"], rel=1e-8)
+    assert {row["environment"] for row in rows} == {"Pendulum"}
+
+
+def test_a_pdf_has_the_fonts_that_journals_take(reader: TestClient, trained: str) -> None:
+    """TrueType outlines (Type 42), never Type 3."""
+    pdf = reader.get(f"{trained}/plot.pdf").content
+    assert b"/Type0" in pdf
+    assert b"/Type3" not in pdf
+
+
+def test_a_figure_is_as_wide_as_a_column(reader: TestClient, trained: str) -> None:
+    query = {"metric": "return_mean", "columns": 1, "height": 2, "font_size": 6}
+    svg = xml.dom.minidom.parseString(  # noqa: S318 - our own
+        reader.get(f"{trained}/plot.svg", params=query).content
+    ).documentElement
+    assert svg is not None
+    assert svg.getAttribute("width") == "234pt"  # 3.25 inches
+    assert svg.getAttribute("height") == "144pt"
+
+
+@pytest.mark.parametrize(
+    "query",
+    [
+        {"smoothing": 0.9, "logy": True, "seeds": True},
+        {"metric": "critic_loss", "logy": True, "smoothing": 0.5, "robust": True},
+        {"band": "none", "logx": True, "align": True, "legend": False},
+        {"xmin": 1000, "xmax": 3000, "ymin": 0, "ymax": 1, "per_row": 1, "metric": "return_mean"},
+        {"normalized": False, "logy": True},
+    ],
+)
+def test_a_figure_in_every_look(reader: TestClient, trained: str, query: dict[str, object]) -> None:
+    answer = reader.get(f"{trained}/plot.svg", params=query)  # type: ignore[arg-type]
+    assert answer.status_code == 200, answer.text
+    assert texts(answer.content)
+
+
+@pytest.mark.parametrize(
+    ("query", "field", "told"),
+    [
+        ({"entry": "nobody"}, "entry[0]", "it has: "),
+        ({"environment": ["Pendulum", "Mars"]}, "environment[1]", "MassPoint, Pendulum"),
+        ({"colour": "ddpg=blue"}, "colour[0]", "pattern"),
+        ({"ymin": 1, "ymax": 0}, "ymax", "not above ymin"),
+        ({"columns": 1, "width": 3}, "width", "leave it out"),
+        ({"smoothing": 1}, "smoothing", "less than 1"),
+        ({"colours": "x"}, "colours", "Extra"),
+    ],
+)
+def test_a_figure_that_cannot_be_drawn_is_refused_by_field(
+    reader: TestClient, trained: str, query: dict[str, object], field: str, told: str
+) -> None:
+    refusal = reader.get(f"{trained}/plot.pdf", params=query)  # type: ignore[arg-type]
+    assert refusal.status_code == 422
+    faults = {fault["field"]: fault["message"] for fault in refusal.json()["errors"]}
+    assert told in faults[field]
+
+
+def curves_of(reader: TestClient, sweep: str, **query: str) -> list[dict[str, Any]]:
+    """The curves of Pendulum, as JSON."""
+    panels = reader.get(f"{sweep}/curves", params=query).json()["panels"]
+    [panel] = [panel for panel in panels if panel["environment"] == "Pendulum"]
+    return list(panel["curves"])

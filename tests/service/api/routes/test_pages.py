@@ -7,7 +7,7 @@ import pytest
 from starlette.testclient import TestClient
 
 import hatch_build
-from service.api.routes.pages import static
+from service.api.shell import static
 from service.api.static_files import StaticFolder
 
 ROOT = Path(__file__).parents[4]

@@ -1,6 +1,7 @@
 """Pausing, resuming and retrying sweeps and runs: what moves, what stays, what is refused."""
 
 import threading
+import time
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
@@ -199,3 +200,25 @@ def test_a_failed_run_is_tried_again_with_a_clean_slate(store: Store, submit: Su
     assert again is not None
     assert again.status is RunStatus.QUEUED
     assert len(store.attempts(run_id)) == AT_ONCE.losses + 2
+
+
+def test_the_time_between_attempts_is_no_work(store: Store, submit: Submit) -> None:
+    """A run that is tried again later has taken as long as its attempts, not as the wait."""
+    run_id = f"{submit(seeds=1).id}-0"
+    claim = store.claim_cohort("w", LEASE)
+    assert claim is not None
+    run = store.find_run(run_id)
+    assert run is not None
+    assert run.worked_seconds is None
+    store.fail(claim, "ValueError: no")
+    time.sleep(0.3)  # the wait that must not count
+    store.move_run(run_id, "retry")
+    again = store.claim_cohort("w", LEASE)
+    assert again is not None
+    store.record(again, Progress(1600, finished=(0,)))
+    run = store.find_run(run_id)
+    assert run is not None
+    assert run.worked_seconds is not None
+    assert run.started_at is not None
+    assert run.finished_at is not None
+    assert 0 <= run.worked_seconds <= run.finished_at - run.started_at - 0.3

@@ -2,14 +2,20 @@
 import { panelCaption } from "./caption.js";
 import { fillCurveTable } from "./curve_table.js";
 import { chartData } from "./drawing.js";
-import { ChartFigure, remembersTable } from "./figure.js";
+import { ChartFigure, remembersTable } from "../charts/figure.js";
 
 /**
  * @import { Identities } from "../parts/identity.js"
  * @import { View } from "../parts/view.js"
  * @import { Axes, Fields } from "./drawing.js"
  *
- * @typedef {{ panel: Api.Panel, known: Identities, axes: Axes }} Shown
+ * @typedef {object} Shown
+ * @property {Api.Panel} panel
+ * @property {Identities} known
+ * @property {Axes} axes
+ * @property {Set<string>} hidden   labels
+ *
+ * @typedef {{ environment: string, x: number } | null} Reading   where the cursor is
  */
 
 export class Panel {
@@ -20,12 +26,20 @@ export class Panel {
   /**
    * @param {string} environment
    * @param {View<Fields>} view
+   * @param {(reading: Reading) => void} onRead
    */
-  constructor(environment, view) {
+  constructor(environment, view, onRead) {
     this.#environment = environment;
     this.#view = view;
     const texts = { title: environment, label: `Learning curves of ${environment}` };
-    this.#figure = new ChartFigure(texts, "curves", remembersTable(view, environment));
+    this.#figure = new ChartFigure(texts, "curves", {
+      onToggle: remembersTable(view, environment),
+      onZoom: (from, to) => view.set({ from, to }),
+      onRead: (x) => {
+        if (x === null) onRead(null);
+        else if (this.node.matches(":hover, :focus-within")) onRead({ environment, x });
+      },
+    });
   }
 
   get node() {
@@ -37,11 +51,11 @@ export class Panel {
    *
    * @param {Shown} shown
    */
-  update({ panel, known, axes }) {
+  update({ panel, known, axes, hidden }) {
     const view = this.#view;
-    const data = chartData(panel, known, view, axes);
-    const curves = panel.curves.filter((curve) => !view.get("hide").includes(curve.label));
-    const texts = { caption: panelCaption(panel, view, data), abscissa: view.get("x") };
+    const data = chartData(panel, known, view, axes, hidden);
+    const curves = panel.curves.filter((curve) => !hidden.has(curve.label));
+    const texts = { caption: panelCaption(panel, view, data, hidden), abscissa: view.get("x") };
     this.#figure.update(data, texts, {
       isOpen: view.get("table").includes(this.#environment),
       fill: (table) => fillCurveTable(table, curves, view.get("x"), view.get("metric")),

@@ -4,7 +4,7 @@ import { RETURNS } from "./drawing.js";
 
 /**
  * @import { View } from "../parts/view.js"
- * @import { Data } from "./chart.js"
+ * @import { Data } from "../charts/chart.js"
  * @import { Fields } from "./drawing.js"
  */
 
@@ -21,15 +21,17 @@ const BANDS = {
  * @param {Api.Panel} panel
  * @param {View<Fields>} view
  * @param {Data} data
+ * @param {Set<string>} hidden labels
  * @returns {string}
  */
-export function panelCaption(panel, view, { y }) {
+export function panelCaption(panel, view, { x, y }, hidden) {
   const statistic = BANDS[view.get("band")];
   const sentences = [
     `${statistic[0].toUpperCase()}${statistic.slice(1)}, n = ${seedsText(panel.curves)}.`,
     scaleText(panel, view),
-    ...displayText(panel, view),
+    ...displayText(panel, view, hidden),
     axisText(view.get("logx"), y),
+    limitsText(x, y, view.get("robust")),
   ];
   return sentences.filter((sentence) => sentence !== "").join(" ");
 }
@@ -68,9 +70,10 @@ function scaleText({ random_return: random }, view) {
 /**
  * @param {Api.Panel} panel
  * @param {View<Fields>} view
+ * @param {Set<string>} labels that are hidden
  * @returns {string[]}
  */
-function displayText(panel, view) {
+function displayText(panel, view, labels) {
   const sentences = [];
   if (view.get("smoothing") > 0) {
     sentences.push(
@@ -79,9 +82,22 @@ function displayText(panel, view) {
     );
   }
   if (view.get("seeds")) sentences.push("Thin lines are single seeds.");
-  const hidden = panel.curves.filter((curve) => view.get("hide").includes(curve.label)).length;
+  const hidden = panel.curves.filter((curve) => labels.has(curve.label)).length;
   if (hidden > 0) sentences.push(`${counted(hidden, "curve")} hidden.`);
   return sentences;
+}
+
+/**
+ * @param {Data["x"]} x
+ * @param {Data["y"]} y
+ * @param {boolean} isRobust
+ * @returns {string}
+ */
+function limitsText(x, y, isRobust) {
+  const isCut = [...x.limits, ...y.limits].some((limit) => limit !== null);
+  if (!isCut) return "";
+  const left = isRobust ? " (outliers, 2 % at either end, do not set them)" : "";
+  return `Axes have limits${left}; what lies beyond them is not shown.`;
 }
 
 /**
