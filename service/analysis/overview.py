@@ -39,11 +39,15 @@ class SharedRun:
 
 @dataclass(frozen=True)
 class Learner:
-    """A learner's runs that reached their end, by task; each task has at least one."""
+    """A learner's runs that reached their end, by task; each task has at least one.
+
+    `early` runs failed, diverged or were cancelled, and do not count.
+    """
 
     label: str
     algorithm: str
     runs: Mapping[str, Sequence[SharedRun]]
+    early: int = 0
 
 
 @dataclass(frozen=True)
@@ -64,6 +68,7 @@ class Standing:
     algorithm: str
     tasks: int
     runs: int
+    early: int
     by_timesteps: Line
     by_time: Line
     rank: Estimate
@@ -79,6 +84,7 @@ def standings(learners: Sequence[Learner]) -> list[Standing]:
                 learner.algorithm,
                 len(learner.runs),
                 sum(map(len, learner.runs.values())),
+                learner.early,
                 _line(SHARES, [_at_shares(runs) for runs in learner.runs.values()]),
                 _line(TIMES, [_at_times(runs) for runs in learner.runs.values()]),
                 rank,

@@ -180,8 +180,9 @@ def write(client: Client, sweeps: Iterable[SweepAnswer], output: Path, kept: For
     now = [client.sweep(sweep.id) for sweep in sweeps]
     for sentence in results.write(client, now, output, kept):
         say(sentence)
-    ended = sum(sweep.runs.succeeded for sweep in now)
-    total = sum(sweep.runs.total for sweep in now)
+    counts = [sweep.runs.model_dump() for sweep in now]
+    counts += [evidence["runs"] for evidence in kept.evidence.values()]
+    ended, total = (sum(each[name] for each in counts) for name in ("succeeded", "total"))
     say(f"Wrote {output}/: {ended} of {total} runs reached their end.")
 
 

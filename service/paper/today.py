@@ -6,6 +6,7 @@ have, and with its runs that reached their end.
 """
 
 import csv
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
@@ -16,15 +17,18 @@ from service.analysis.figures import today_figure
 from service.analysis.figures.figure_form import Form
 from service.analysis.overview import Learner, Line, SharedRun, Standing, standings
 from service.paper.evaluation import FEWER_SEEDS, MORE_TASKS, TASKS
-from service.paper.measured import ENDED, MeasuredRun, Scale
+from service.paper.measured import EARLY, ENDED, MeasuredRun, Scale
 
 FORMS: tuple[Form, ...] = ("svg", "png")
 REFERENCE = "ddpg"
+SHOWN = (*TASKS, *MORE_TASKS)
 ROWS = (
     *("ddpg", "hybrid-ddpg-robust", "hybrid-ddpg", "hybrid-ddpg-cosine", "td3", "hybrid-td3"),
     *("sac", "hybrid-sac", "sac with learned temperature", "ppo", "shac", "gd", "mpc"),
 )
 """The learners, in the order of the figure."""
+
+COLUMNS = ("learner", "tasks", "runs", "early", "of", "x", "value", "low", "high")
 
 
 def write_figure(
@@ -41,28 +45,31 @@ def write_figure(
 
 def learners(runs: Sequence[MeasuredRun], scales: Mapping[str, Scale]) -> list[Learner]:
     """Return the learners with runs at their end, in tasks where the reference has some too."""
-    counted = [
+    asked = [
         run
         for run in runs
-        if run.status == ENDED
-        and run.seed < FEWER_SEEDS
-        and run.environment in scales
-        and np.isfinite(run.columns["return_mean"]).all()
+        if run.seed < FEWER_SEEDS and run.environment in SHOWN and run.environment in scales
     ]
-    cells = grouped(counted, lambda run: (run.row, run.environment))
-    return [
-        Learner(row, cells[row, tasks[0]][0].algorithm, {
-            task: _shared(cells[row, task], cells[REFERENCE, task], scales[task]) for task in tasks
-        })
+    ended = grouped(filter(_counts, asked), lambda run: (run.row, run.environment))
+    early = Counter(run.row for run in asked if run.status in EARLY)
+    tasks = {
+        row: [task for task in SHOWN if {(row, task), (REFERENCE, task)} <= ended.keys()]
         for row in ROWS
-        if (
-            tasks := [
-                task
-                for task in (*TASKS, *MORE_TASKS)
-                if {(row, task), (REFERENCE, task)} <= cells.keys()
-            ]
+    }
+    return [
+        Learner(
+            row,
+            ended[row, own[0]][0].algorithm,
+            {t: _shared(ended[row, t], ended[REFERENCE, t], scales[t]) for t in own},
+            early[row],
         )
-    ]  # fmt: skip
+        for row, own in tasks.items()
+        if own
+    ]
+
+
+def _counts(run: MeasuredRun) -> bool:
+    return run.status == ENDED and bool(np.isfinite(run.columns["return_mean"]).all())
 
 
 def _shared(
@@ -83,9 +90,9 @@ def _shared(
 def _write_numbers(file: Path, found: Sequence[Standing]) -> None:
     with file.open("w", encoding="utf-8", newline="") as output:
         writer = csv.writer(output, lineterminator="\n")
-        writer.writerow(("learner", "tasks", "runs", "of", "x", "value", "low", "high"))
+        writer.writerow(COLUMNS)
         for one in found:
-            place = (one.label, one.tasks, one.runs)
+            place = (one.label, one.tasks, one.runs, one.early)
             writer.writerows((*place, *numbers) for numbers in _numbers(one))
 
 

@@ -26,8 +26,8 @@ CAPTION = (
     "actions, 1: the task's largest reward at every step). Timesteps are a share of those of "
     "ddpg's runs in the task, time is processor time of training in units of a run of ddpg there; "
     "what has ended keeps its last value. Rank: mean over tasks, 1 the best, by the mean of the "
-    "curve over the timesteps, with its 95 % interval (stratified bootstrap). Runs that did not "
-    "reach their end do not count."
+    "curve over the timesteps, with its 95 % interval (stratified bootstrap). Early: runs that "
+    "failed, diverged or were cancelled, which do not count."
 )
 
 
@@ -91,6 +91,7 @@ def _draw_ranks(ax: Axes, standings: Sequence[Standing], styles: Sequence[Style]
 
 
 def _label(one: Standing, most: int) -> str:
-    """The learner's name, with its tasks where others have more."""
+    """The learner's name, with its tasks where others have more, and what is left out."""
     tasks = "" if one.tasks == most else f" ({one.tasks} of {most} tasks)"
-    return printable(f"{one.label}{tasks}")
+    early = f" ({one.early} early)" if one.early else ""
+    return printable(f"{one.label}{tasks}{early}")

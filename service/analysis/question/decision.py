@@ -131,9 +131,7 @@ def _take(evidence: Refuted, k: int, outcome: Codes, level: Floats, question: Qu
         before = outcome.copy()
         bar = np.broadcast_to(_level(outcome, question), outcome.shape)
         for kind, found in kinds.items():
-            outcome[
-                (before == Outcome.OPEN) & (outcome == Outcome.OPEN) & (found >= -np.log(bar))
-            ] = kind
+            outcome[(outcome == Outcome.OPEN) & (found >= -np.log(bar))] = kind
         level[:] = np.where(before == Outcome.OPEN, bar, level)
 
 

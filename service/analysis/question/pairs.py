@@ -86,12 +86,11 @@ def all_pairs(
     found = []
     for environment in dict.fromkeys(environment for environment, _ in entries.cells):
         theirs = cells.get((environment, question.against), {})
-        for label in question.compare:
+        for place, label in enumerate(question.compare):
             if (ours := cells.get((environment, label))) and theirs:
                 version = next(iter(ours.values())).environment_version
                 zero = random_returns.get((environment, version))
                 unit = scale(zero, best_return(environment))
-                place = question.compare.index(label)
                 found.append(_pairs(environment, label, place, (ours, theirs), unit, question))
     return found
 

@@ -49,13 +49,15 @@ class Verdict:
 
 def decisions(found: Sequence[Pairs], question: Question) -> Decisions:
     """Return what is decided of the comparisons, at least one."""
-    most = max((len(pairs.looks) for pairs in found), default=0)
+    most = max(len(pairs.looks) for pairs in found)
     n = [_padded(pairs.n, most) for pairs in found]
     evidence = [
         refuted(pairs.differences, seen, question) for pairs, seen in zip(found, n, strict=True)
     ]
     stacked = Refuted(
-        *(np.array([getattr(each, kind) for each in evidence]) for kind in Refuted.__annotations__)
+        better=np.array([each.better for each in evidence]),
+        worse=np.array([each.worse for each in evidence]),
+        equivalent=np.array([each.equivalent for each in evidence]),
     )
     ended = np.array([len(pairs.looks) for pairs in found], np.int64)
     counts = np.array(n, np.int64).reshape(len(found), most)
@@ -69,9 +71,12 @@ def _padded(n: tuple[int, ...], looks: int) -> tuple[int, ...]:
 
 def wanted(found: Sequence[Pairs], question: Question) -> dict[Cell, tuple[int, ...]]:
     """Return the seeds that cells are to have for the next look; none where it is settled."""
-    if not found:
-        return {}
-    decided = decisions(found, question)
+    return _wanted(found, decisions(found, question), question) if found else {}
+
+
+def _wanted(
+    found: Sequence[Pairs], decided: Decisions, question: Question
+) -> dict[Cell, tuple[int, ...]]:
     asked: dict[Cell, tuple[int, ...]] = {}
     for pairs, outcome, look in zip(found, decided.outcome, decided.look, strict=True):
         if outcome == Outcome.OPEN and look < question.looks:
@@ -91,7 +96,7 @@ def verdict(found: Sequence[Pairs], question: Question) -> Verdict:
             found, decided.outcome, decided.look, decided.level, strict=True
         )
     )
-    return Verdict(question, answers, is_settled=not wanted(found, question))
+    return Verdict(question, answers, is_settled=not _wanted(found, decided, question))
 
 
 def _answer(pairs: Pairs, outcome: Outcome, level: float, question: Question) -> Answer:

@@ -54,6 +54,7 @@ def test_seeds_beyond_the_sixteenth_and_runs_that_failed_do_not_count(tmp_path: 
     ])  # fmt: skip
     derive(tmp_path)
     assert numbers(tmp_path)["ddpg", "interquartile mean by timesteps", "1"] == (0.4, 1, 14)
+    assert "ddpg (1 early)" in (tmp_path / "figure-7.svg").read_text()
 
 
 def test_before_the_first_run_ends_there_is_none(tmp_path: Path) -> None:
