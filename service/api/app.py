@@ -16,6 +16,7 @@ from starlette.concurrency import run_in_threadpool
 from service.api.access_token import access_token
 from service.api.body_limit import BodyLimit
 from service.api.context import Workforce
+from service.api.diagnoser import LIMIT_SECONDS, Diagnoser
 from service.api.event_feed import EventFeed
 from service.api.logs import AccessLog
 from service.api.problem_schema import describe_problems
@@ -23,6 +24,7 @@ from service.api.problems import install_problem_handlers
 from service.api.routes import (
     catalogue,
     curves,
+    diagnoses,
     documentation,
     events,
     figures,
@@ -51,6 +53,7 @@ RESOURCES = (
     curves,
     scores,
     figures,
+    diagnoses,
     events,
     catalogue,
 )
@@ -58,8 +61,10 @@ RESOURCES = (
 
 @asynccontextmanager
 async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-    """Close what the application started itself."""
+    """Start and close what the application runs itself."""
+    app.state.diagnoser.start()
     yield
+    await run_in_threadpool(app.state.diagnoser.stop)
     await run_in_threadpool(app.state.side.close)
 
 
@@ -83,6 +88,7 @@ def create_app(settings: Settings, store: Store, dispatcher: Workforce) -> FastA
     app.state.event_feed = EventFeed(store)
     app.state.side = SideProcess()
     app.state.checkpoints = settings.checkpoint_place
+    app.state.diagnoser = Diagnoser(store, settings.checkpoint_place, SideProcess(LIMIT_SECONDS))
     app.state.worker_memory = settings.run_memory
     install_problem_handlers(app)
     api = APIRouter(prefix=PREFIX)

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Protocol
 from fastapi import Depends, Request
 from fastapi import Path as PathParameter
 
+from service.api.diagnoser import Diagnoser
 from service.api.event_feed import EventFeed
 from service.api.problems import NotFound, printable
 from service.api.side_process import Side
@@ -40,6 +41,7 @@ def _held(name: str) -> Any:
 
 
 TheCheckpoints = Annotated[Place, _held("checkpoints")]
+TheDiagnoser = Annotated[Diagnoser, _held("diagnoser")]
 TheSide = Annotated[Side, _held("side")]
 TheStore = Annotated[Store, _held("store")]
 TheEventFeed = Annotated[EventFeed, _held("event_feed")]

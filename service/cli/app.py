@@ -16,6 +16,7 @@ import typer
 from rich.console import Console
 
 from service.cli import paper
+from service.cli.diagnosing import diagnose
 from service.cli.exporting import export, plot, table
 from service.cli.following import watch
 from service.cli.host import db, demo
@@ -40,7 +41,7 @@ app.add_typer(db.app)
 app.add_typer(paper.app)
 COMMANDS: tuple[Callable[..., None], ...] = (
     serve, submit, ls, show, watch, *map(command_of, TRANSITIONS), export, table, plot, rollout,
-    verify, doctor,
+    diagnose, verify, doctor,
 )  # fmt: skip
 for command in COMMANDS:
     app.command()(command)

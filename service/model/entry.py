@@ -66,12 +66,12 @@ class Entries:
             if environment in entry.environments
         ]
         """Each environment with each entry that runs in it, in the order of the runs."""
-        self._seeds = request["seeds"]
+        seeds = request["seeds"]
+        self.runs_of_cell: int = seeds if isinstance(seeds, int) else len(seeds)
 
     def label(self, run_id: str) -> str:
         """Return the name of the entry that a run is of."""
-        seeds = self._seeds if isinstance(self._seeds, int) else len(self._seeds)
-        _, entry = self.cells[RunName.parse(run_id).ordinal // seeds]
+        _, entry = self.cells[RunName.parse(run_id).ordinal // self.runs_of_cell]
         return entry.label
 
 

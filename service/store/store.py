@@ -28,7 +28,7 @@ from service.store.claiming import checkpoints, claims, endings, run_moves, swee
 from service.store.claiming.retry import RetryPolicy
 from service.store.connection import connect
 from service.store.reader import Reader
-from service.store.reading import costs, events, runs, sweeps
+from service.store.reading import costs, diagnoses, events, runs, sweeps
 from service.store.reading import measurements as measured
 from service.store.reading import random_returns as zeros
 from service.store.upkeep.migration import upgrade
@@ -202,6 +202,14 @@ class Store:
     record_random_return = _writes(zeros.put)
     random_returns = _reads(zeros.of_all)
     past_costs = _reads(costs.past)
+
+    # ---- diagnoses
+
+    find_diagnosis = _reads(diagnoses.of_run)
+    list_diagnoses = _reads(diagnoses.of_sweep)
+    ask_diagnoses = _writes(diagnoses.ask)
+    next_waiting_diagnosis = _reads(diagnoses.next_waiting)
+    record_diagnosis = _writes(diagnoses.record)
 
     # ---- events
 

@@ -21,6 +21,7 @@ from service.analysis.comparison import ABSCISSA_TEXT, Comparison, LabelledCurve
 from service.analysis.figures.figure_form import Form
 from service.analysis.figures.palette import colour, dash
 from service.analysis.figures.picture import picture, printable
+from service.model.entry import Entry
 
 Style = Mapping[str, Any]
 
@@ -65,14 +66,7 @@ def _figure(title: str, rows: Sequence[Comparison]) -> Figure:
     for ax in axes[-1]:
         ax.set_xlabel(ABSCISSA_TEXT[rows[0].view.x])
         ax.xaxis.set_major_formatter(EngFormatter(sep=""))  # 20k
-    figure.legend(
-        title=printable(title),
-        handles=[Line2D([], [], label=printable(label), **styles[label]) for label in styles],
-        loc="outside upper center",
-        ncols=legend_columns,
-        handlelength=HANDLE_LENGTHS,
-        frameon=False,
-    )
+    legend_of(figure, title, styles, legend_columns)
     lines = textwrap.wrap(caption(rows), int(width * CAPTION_CHARACTERS_PER_INCH))
     figure.supxlabel("\n".join(lines), fontsize=7)
     return figure
@@ -94,9 +88,7 @@ def draw_panel(ax: Axes, panel: Panel, styles: Mapping[str, Style]) -> None:
         )
     if not any(one.curve.n.any() for one in panel.curves):
         ax.text(0.5, 0.5, "nothing to show yet", ha="center", transform=ax.transAxes, color="0.4")
-    ax.grid(color="0.9", linewidth=0.6)
-    ax.set_axisbelow(True)
-    ax.spines[["top", "right"]].set_visible(False)
+    plain_axes(ax)
 
 
 def styles_of(comparison: Comparison) -> dict[str, Style]:
@@ -104,14 +96,37 @@ def styles_of(comparison: Comparison) -> dict[str, Style]:
 
     Entries that are not shown have theirs too, so that a curve looks alike in every figure.
     """
+    return styles_of_entries(comparison.entries, [one.label for one in _all_curves(comparison)])
+
+
+def styles_of_entries(entries: Sequence[Entry], shown: Sequence[str]) -> dict[str, Style]:
+    """Return the line of each label shown, of the entries of a request."""
     styles: dict[str, Style] = {}
     used: Counter[str] = Counter()
-    for entry in comparison.entries:
+    for entry in entries:
         shade = colour(entry.algorithm)
         styles[entry.label] = {"color": shade, "linestyle": dash(used[shade])}
         used[shade] += 1
-    shown = dict.fromkeys(one.label for one in _all_curves(comparison))
-    return {label: styles[label] for label in shown}
+    return {label: styles[label] for label in dict.fromkeys(shown)}
+
+
+def legend_of(figure: Figure, title: str, styles: Mapping[str, Style], columns: int) -> None:
+    """Put the title and the names of the lines above the panels."""
+    figure.legend(
+        title=printable(title),
+        handles=[Line2D([], [], label=printable(label), **styles[label]) for label in styles],
+        loc="outside upper center",
+        ncols=columns,
+        handlelength=HANDLE_LENGTHS,
+        frameon=False,
+    )
+
+
+def plain_axes(ax: Axes) -> None:
+    """Give a panel its grid, and only the left and the lower edge."""
+    ax.grid(color="0.9", linewidth=0.6)
+    ax.set_axisbelow(True)
+    ax.spines[["top", "right"]].set_visible(False)
 
 
 def _all_curves(comparison: Comparison) -> list[LabelledCurve]:

@@ -6,10 +6,10 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Response
 
 from service.api.context import TheCheckpoints, TheRun, TheSide, TheStore, find_run
+from service.api.learned import no_policy, other_version
 from service.api.problems import Fault, ImpossibleMove, InvalidRequest, ServiceBusy
 from service.api.schemas.rollout_answer import RolloutAnswer, RolloutQuery, RolloutRequest
 from service.api.side_process import BusyError, Side, TooSlowError
-from service.model.environment import environment_facts
 from service.model.run import Run
 from workers.checkpoints.folder import UnavailableError
 from workers.checkpoints.place import Place
@@ -43,7 +43,8 @@ def play_rollout(
 
 
 def _played(run: Run, start: list[float] | int, checkpoints: Place, side: Side) -> Response:
-    _refuse_another_version(run)
+    if sentence := other_version(run):
+        raise ImpossibleMove(sentence)
     try:
         answer = side.call("workers.policies.rollout:rollout", checkpoints, run.id, run.spec, start)
     except StartError as refusal:
@@ -57,17 +58,5 @@ def _played(run: Run, start: list[float] | int, checkpoints: Place, side: Side) 
     except (BusyError, TooSlowError, EOFError) as error:
         raise ServiceBusy(f"The episode could not be played: {error}.") from error
     if answer is None:
-        raise ImpossibleMove(
-            f"Run {run.id} ({run.status}) has no policy: one is written with every checkpoint and "
-            "at the end, and mpc, which plans, learns none."
-        )
+        raise ImpossibleMove(no_policy(run))
     return Response(json.dumps(answer, allow_nan=False), media_type="application/json")
-
-
-def _refuse_another_version(run: Run) -> None:
-    now = environment_facts(run.spec.environment).version
-    if now != run.environment_version:
-        raise ImpossibleMove(
-            f"Run {run.id} learned in version {run.environment_version} of {run.spec.environment}; "
-            f"this service has version {now}."
-        )
