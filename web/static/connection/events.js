@@ -1,11 +1,11 @@
 const FIRST_RETRY_MILLISECONDS = 1000;
 const LONGEST_RETRY_MILLISECONDS = 15000;
 
-/** @typedef {"sweep" | "run" | "measurements" | "reload"} Kind */
+/** @typedef {"sweep" | "run" | "measurements" | "diagnosis" | "reload"} Kind */
 /** @typedef {{ sweep_id?: string, run_id?: string }} Payload what a change concerns */
 
 /** @type {Kind[]} */
-const KINDS = ["sweep", "run", "measurements", "reload"];
+const KINDS = ["sweep", "run", "measurements", "diagnosis", "reload"];
 
 /**
  * The one event stream of this tab. When it breaks the browser opens it again and sends

@@ -8,6 +8,7 @@ import { address, get } from "../connection/api.js";
 import { follow } from "../connection/live.js";
 import { Refresh } from "../connection/refresh.js";
 import * as connection from "../connection/state.js";
+import { DiagnosisSection } from "../diagnosis/section.js";
 import { Controls } from "../parts/controls.js";
 import { at, keyed, setText } from "../parts/element.js";
 import { identities } from "../parts/identity.js";
@@ -61,8 +62,15 @@ const figures = new PaperFigures(view);
 const entries = () => head.sweep?.entries ?? [];
 const scores = new ScoreTable(id, view, entries, () => refreshScores.hurry());
 const statistics = new Statistics(id, view, entries, () => refreshStatistics.hurry());
+const diagnosis = new DiagnosisSection(`/sweeps/${id}`, () => refreshDiagnosis.hurry());
+const refreshDiagnosis = new Refresh((signal) => diagnosis.load(signal), {
+  interval: 2000,
+  onError,
+});
 
 const stream = follow(address(`/sweeps/${id}/events`), (kind) => {
+  if (kind !== "measurements") refreshDiagnosis.request();
+  if (kind === "diagnosis") return;
   refreshSweep.request();
   if (kind === "run") return;
   refreshCurves.request();
@@ -173,4 +181,5 @@ async function copyLink() {
 function hideAll() {
   stream.close();
   at("curves").hidden = at("scores").hidden = at("statistics").hidden = true;
+  at("diagnosis").hidden = true;
 }
