@@ -7,13 +7,13 @@ Tables show the median over the seeds; a number that does not exist in a seed is
 
 import csv
 from collections.abc import Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING, TextIO
+from typing import TextIO
 
 import numpy as np
 from rich.table import Table
 
-if TYPE_CHECKING:
-    from algorithms.diagnostics.finding import Finding
+from algorithms.diagnostics.finding import Finding
+from algorithms.diagnostics.medians import Medians, medians
 
 TITLES = {
     "smoothing": "Gradient of the smoothed return of H steps",
@@ -24,10 +24,9 @@ TITLES = {
     "loss": "Share of the gradient loss in 1 % of the rows",
 }
 """Of each diagnostic, in the order of the tables."""
-Medians = dict[tuple[str, str, int | None, float | None], float]
 
 
-def write(file: TextIO, by_seed: "Mapping[int, Iterable[Finding]]") -> None:
+def write(file: TextIO, by_seed: Mapping[int, Iterable[Finding]]) -> None:
     """Write every finding of every seed."""
     rows = csv.writer(file, lineterminator="\n")
     rows.writerow(["seed", "diagnostic", "quantity", "horizon", "noise", "value"])
@@ -35,29 +34,18 @@ def write(file: TextIO, by_seed: "Mapping[int, Iterable[Finding]]") -> None:
         rows.writerows([seed, *finding] for finding in findings)
 
 
-def tables(by_seed: "Mapping[int, Iterable[Finding]]") -> Iterator[tuple[str, Table]]:
+def tables(by_seed: Mapping[int, Iterable[Finding]]) -> Iterator[tuple[str, Table]]:
+    """The title and the table of each diagnostic, of medians over the seeds."""
+    return tables_of(medians(by_seed.values()))
+
+
+def tables_of(found: Medians) -> Iterator[tuple[str, Table]]:
     """The title and the table of each diagnostic."""
-    found = medians(by_seed)
     for diagnostic, title in TITLES.items():
         own = {key: value for key, value in found.items() if key[0] == diagnostic}
         if own:
             has_horizon = any(horizon is not None for _, _, horizon, _ in own)
             yield title, by_horizon(own) if has_horizon else listed(own)
-
-
-def medians(by_seed: "Mapping[int, Iterable[Finding]]") -> Medians:
-    """The median over the seeds of each number, NaN where no seed has it."""
-    values: dict[tuple[str, str, int | None, float | None], list[float]] = {}
-    for findings in by_seed.values():
-        for *name, value in findings:
-            values.setdefault(tuple(name), []).append(value)  # type: ignore[arg-type]
-    return {name: median(each) for name, each in values.items()}
-
-
-def median(values: list[float]) -> float:
-    """The median of the numbers that are not NaN; NaN if there are none."""
-    numbers = [value for value in values if not np.isnan(value)]
-    return float(np.median(numbers)) if numbers else float("nan")
 
 
 def by_horizon(own: Medians) -> Table:

@@ -16,6 +16,7 @@ from starlette.concurrency import run_in_threadpool
 from service.api.access_token import access_token
 from service.api.body_limit import BodyLimit
 from service.api.context import Workforce
+from service.api.diagnoser import LIMIT_SECONDS, Diagnoser
 from service.api.event_feed import EventFeed
 from service.api.invalid_request import refuse_invalid
 from service.api.logs import AccessLog
@@ -24,6 +25,7 @@ from service.api.problems import install_problem_handlers
 from service.api.routes import (
     catalogue,
     curves,
+    diagnoses,
     documentation,
     events,
     figures,
@@ -59,6 +61,7 @@ RESOURCES = (
     curves,
     scores,
     figures,
+    diagnoses,
     events,
     catalogue,
 )
@@ -66,8 +69,10 @@ RESOURCES = (
 
 @asynccontextmanager
 async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-    """Close what the application started itself."""
+    """Start and close what the application runs itself."""
+    app.state.diagnoser.start()
     yield
+    await run_in_threadpool(app.state.diagnoser.stop)
     await run_in_threadpool(app.state.side.close)
 
 
@@ -95,6 +100,9 @@ def create_app(
     app.state.checkpoints = settings.checkpoint_place
     app.state.worker_memory = settings.run_memory
     app.state.shelf = shelf or TaskShelf(settings.data_dir)
+    app.state.diagnoser = Diagnoser(
+        store, settings.checkpoint_place, SideProcess(LIMIT_SECONDS), app.state.shelf
+    )
     install_problem_handlers(app, refuse_invalid)
     api = APIRouter(prefix=PREFIX)
     for resource in RESOURCES:

@@ -31,7 +31,7 @@ class Workforce(Protocol):
         """The workers that are up, and whether each is busy."""
 
 
-def _held(name: str) -> Any:
+def held(name: str) -> Any:
     """Return the dependency on what the application holds under a name."""
 
     def held(request: Request) -> Any:
@@ -40,13 +40,13 @@ def _held(name: str) -> Any:
     return Depends(held)
 
 
-TheCheckpoints = Annotated[Place, _held("checkpoints")]
-TheSide = Annotated[Side, _held("side")]
-TheShelf = Annotated[TaskShelf, _held("shelf")]
-TheStore = Annotated[Store, _held("store")]
-TheEventFeed = Annotated[EventFeed, _held("event_feed")]
-TheWorkerMemory = Annotated[int, _held("worker_memory")]
-TheWorkforce = Annotated[Workforce, _held("dispatcher")]
+TheCheckpoints = Annotated[Place, held("checkpoints")]
+TheSide = Annotated[Side, held("side")]
+TheShelf = Annotated[TaskShelf, held("shelf")]
+TheStore = Annotated[Store, held("store")]
+TheEventFeed = Annotated[EventFeed, held("event_feed")]
+TheWorkerMemory = Annotated[int, held("worker_memory")]
+TheWorkforce = Annotated[Workforce, held("dispatcher")]
 
 
 SweepId = Annotated[str, PathParameter(examples=["3f9a0c51b7de"])]

@@ -4,11 +4,13 @@ from typing import Annotated, Any
 
 from fastapi import Depends
 
+from physics.task_file import TaskFile
 from service.api.context import TheCheckpoints, TheShelf, TheSide
 from service.api.problems import ImpossibleMove, ServiceBusy
 from service.api.side_process import BusyError, TooSlowError
 from service.model.environment import environment_facts
 from service.model.run import Run
+from workers.checkpoints.checkpoint_folder import has_policy
 from workers.checkpoints.folder import UnavailableError
 from workers.checkpoints.sealed_file import DamagedError
 
@@ -30,9 +32,7 @@ class Learned:
                 be read, and where the service has no or another version of the run's task.
             ServiceBusy: where it cannot be done now.
         """
-        file = self._shelf.file_of(run.spec.environment, run.environment_version)
-        if file is None:
-            _refuse_another_version(run)
+        file = self._file_of(run)
         try:
             answer = self._side.call(
                 function, self._checkpoints, run.id, run.spec, file, *arguments
@@ -46,14 +46,37 @@ class Learned:
         except (BusyError, TooSlowError, EOFError) as error:
             raise ServiceBusy(f"The policy of run {run.id} cannot be had now: {error}.") from error
         if answer is None:
-            raise ImpossibleMove(
-                f"Run {run.id} ({run.status}) has no policy: one is written with every checkpoint "
-                "and at the end, and mpc, which plans, learns none."
-            )
+            raise ImpossibleMove(_no_policy(run))
         return answer
+
+    def refuse_missing(self, run: Run) -> None:
+        """Raise what `call` would, as far as that is seen without reading what was learned."""
+        self._file_of(run)
+        try:
+            is_there = has_policy(self._checkpoints, run.id)
+        except OSError as trouble:
+            raise ServiceBusy(
+                f"What run {run.id} learned cannot be read now: {trouble.strerror}."
+            ) from trouble
+        if not is_there:
+            raise ImpossibleMove(_no_policy(run))
+
+    def _file_of(self, run: Run) -> TaskFile | None:
+        """The file of the run's task, if it is of one. Raises ImpossibleMove."""
+        file = self._shelf.file_of(run.spec.environment, run.environment_version)
+        if file is None:
+            _refuse_another_version(run)
+        return file
 
 
 TheLearned = Annotated[Learned, Depends()]
+
+
+def _no_policy(run: Run) -> str:
+    return (
+        f"Run {run.id} ({run.status}) has no policy: one is written with every checkpoint and at "
+        "the end, and mpc, which plans, learns none."
+    )
 
 
 def _refuse_another_version(run: Run) -> None:

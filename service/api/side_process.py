@@ -17,6 +17,7 @@ from typing import Any, Protocol
 
 MOST_WAITING = 16
 LIMIT_SECONDS = 60.0
+CLOSE_SECONDS = 0.1
 
 
 class BusyError(RuntimeError):
@@ -64,10 +65,15 @@ class SideProcess:
             self._waiting.release()
 
     def close(self) -> None:
-        """End the process, after what it is doing."""
-        with self._turn:
-            self._is_closed = True
+        """End the process at once: whoever waits for what it is doing gets an EOFError."""
+        self._is_closed = True
+        while not self._turn.acquire(timeout=CLOSE_SECONDS):
+            if self._process is not None:
+                self._process.kill()
+        try:
             self._end()
+        finally:
+            self._turn.release()
 
     def _call(self, function: str, arguments: tuple[Any, ...]) -> Any:
         pipe = self._connected()

@@ -18,6 +18,7 @@ from rich.console import Console
 from service.cli import paper
 from service.cli.adding import add, extend
 from service.cli.asking import ask
+from service.cli.diagnosing import diagnose
 from service.cli.drawing import figure
 from service.cli.editing import edit, rm
 from service.cli.exporting import export, plot, table
@@ -45,7 +46,7 @@ app.add_typer(db.app)
 app.add_typer(paper.app)
 COMMANDS: tuple[Callable[..., None], ...] = (
     serve, submit, ask, ls, show, edit, watch, *map(command_of, TRANSITIONS), rm, add, extend,
-    export, table, plot, figure, rollout, policy, verify, doctor,
+    export, table, plot, figure, rollout, policy, diagnose, verify, doctor,
 )  # fmt: skip
 for command in COMMANDS:
     app.command()(command)

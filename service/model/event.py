@@ -9,10 +9,12 @@ from typing import Any
 class Event:
     """One change.
 
-    kind     "sweep" (created, edited, cancelled, paused, resumed, retried, extended, answered),
-             "run" (its status changed) or "measurements" (a run has new ones)
+    kind     "sweep" (created, edited, cancelled, paused, resumed, retried), "run" (its status
+             changed), "measurements" (a run has new ones) or "diagnosis" (a run has one, or several
+             are asked for)
     payload  always sweep_id; sweep: change; run: run_id, status, reason, attempt, timestep;
-             measurements: run_id, from, to (timesteps, both inclusive)
+             measurements: run_id, from, to (timesteps, both inclusive); diagnosis: run_id, where
+             it is of one
     """
 
     id: int

@@ -40,7 +40,15 @@ from service.store.claiming import (
 from service.store.claiming.retry import RetryPolicy
 from service.store.connection import connect
 from service.store.reader import Reader
-from service.store.reading import costs, events, runs, standings, sweep_names, sweeps
+from service.store.reading import (
+    costs,
+    diagnoses,
+    events,
+    runs,
+    standings,
+    sweep_names,
+    sweeps,
+)
 from service.store.reading import measurements as measured
 from service.store.reading import random_returns as zeros
 from service.store.refusal import UnusableDatabaseError
@@ -255,6 +263,14 @@ class Store:
     record_random_return = _writes(zeros.put)
     random_returns = _reads(zeros.of_all)
     past_costs = _reads(costs.past)
+
+    # ---- diagnoses
+
+    find_diagnosis = _reads(diagnoses.of_run)
+    list_diagnoses = _reads(diagnoses.of_sweep)
+    ask_diagnoses = _writes(diagnoses.ask)
+    next_waiting_diagnosis = _reads(diagnoses.next_waiting)
+    record_diagnosis = _writes(diagnoses.record)
 
     # ---- events
 

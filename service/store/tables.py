@@ -1,6 +1,7 @@
 """The tables.
 
     sweeps 1-* runs 1-* attempts
+                    1-1 diagnoses
                     1-* measurements *-1 diagnostic_sets
            1-* sweep_names   its tags, algorithms and environments: what it is found by
     events         what changed, in order; what the event stream reads
@@ -193,6 +194,23 @@ measurements = Table(
     Column("diagnostics", LargeBinary, nullable=False),  # little-endian float64, in its set's order
     Column("compile_seconds", Exact),
     sqlite_with_rowid=False,
+)
+
+diagnoses = Table(
+    "diagnoses",
+    metadata,
+    Column("run_number", ForeignKey(runs.c.number), primary_key=True),
+    Column("attempt", Integer, nullable=False),
+    Column("asked_at", Double, nullable=False, default=now()),
+    Column("is_waiting", Boolean, nullable=False, default=True),
+    Column("findings", Text),  # NULL while there are none
+    Column("problem", Text, nullable=False, default=""),
+)
+Index(
+    "ix_diagnoses_waiting",
+    diagnoses.c.asked_at,
+    sqlite_where=text("is_waiting = 1"),
+    postgresql_where=text("is_waiting"),
 )
 
 events = Table(

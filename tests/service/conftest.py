@@ -13,6 +13,7 @@ from pydantic import SecretStr
 from starlette.testclient import TestClient
 
 from service.api.app import create_app
+from service.api.diagnoser import Diagnoser
 from service.settings import Settings
 from service.store.store import Store
 from tests.service.same_process import SameProcess
@@ -71,6 +72,9 @@ def dispatcher() -> FakeDispatcher:
 def app(settings: Settings, store: Store, dispatcher: FakeDispatcher) -> FastAPI:
     app = create_app(settings, store, dispatcher)
     app.state.side = SameProcess()
+    app.state.diagnoser = Diagnoser(
+        store, settings.checkpoint_place, SameProcess(), app.state.shelf
+    )
     return app
 
 

@@ -8,6 +8,8 @@ declare namespace Api {
   type Audit = Schemas["AuditAnswer"];
   type Curve = Schemas["CurveAnswer"];
   type Curves = Schemas["CurvesAnswer"];
+  type Diagnosis = Schemas["DiagnosisAnswer"];
+  type DiagnosisFigure = Schemas["DiagnosisFigureAnswer"];
   type Entry = Schemas["EntryAnswer"];
   type Environment = Schemas["EnvironmentAnswer"];
   type Episode = Schemas["RolloutAnswer"];

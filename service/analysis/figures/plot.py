@@ -99,17 +99,8 @@ def _figure(title: str, asked: Sequence[Comparison], design: Design) -> Figure:
         _align([axes[place.row, place.column] for place in places if place.row == row])
     _label(axes, places)
     if design.has_legend and styles:
-        handles = [
-            Line2D([], [], label=printable(design.name(label)), **style)
-            for label, style in styles.items()
-        ]
-        figure.legend(
-            title=printable(title) if design.has_title else None,
-            handles=handles,
-            loc="outside upper center",
-            ncols=across,
-            handlelength=HANDLE_LENGTHS,
-        )
+        names = {label: design.name(label) for label in styles}
+        legend_of(figure, title if design.has_title else None, names, styles, across)
     elif design.has_title:
         figure.suptitle(printable(title))
     if design.has_caption:
@@ -220,12 +211,7 @@ def styles_of(comparison: Comparison, design: Design | None = None) -> dict[str,
 
     Entries that are not shown have theirs too, so that a curve looks alike in every figure.
     """
-    styles: dict[str, Style] = {}
-    for base, siblings in grouped(comparison.entries, lambda one: colour(one.algorithm)).items():
-        ordered = [entry.label for entry in by_value(siblings)]
-        tints = dict(zip(ordered, shades(base, len(siblings)), strict=True))
-        for place, entry in enumerate(siblings):
-            styles[entry.label] = {"color": tints[entry.label], "linestyle": dash(place)}
+    styles = styles_of_entries(comparison.entries, [entry.label for entry in comparison.entries])
     design = design or Design()
     present = list(dict.fromkeys(one.label for one in _all_curves(design.chosen(comparison))))
     shown = [label for label in design.labels if label in present] or present
@@ -233,6 +219,35 @@ def styles_of(comparison: Comparison, design: Design | None = None) -> dict[str,
         label: {**styles[label], "color": design.colours.get(label, styles[label]["color"])}
         for label in shown
     }
+
+
+def styles_of_entries(entries: Sequence[Entry], shown: Sequence[str]) -> dict[str, Style]:
+    """Return the line of each label shown, of the entries of a request."""
+    styles: dict[str, Style] = {}
+    for base, siblings in grouped(entries, lambda one: colour(one.algorithm)).items():
+        ordered = [entry.label for entry in by_value(siblings)]
+        tints = dict(zip(ordered, shades(base, len(siblings)), strict=True))
+        for place, entry in enumerate(siblings):
+            styles[entry.label] = {"color": tints[entry.label], "linestyle": dash(place)}
+    return {label: styles[label] for label in dict.fromkeys(shown)}
+
+
+def legend_of(
+    figure: Figure,
+    title: str | None,
+    names: Mapping[str, str],
+    styles: Mapping[str, Style],
+    columns: int,
+) -> None:
+    """Put the title and the names of the lines above the panels."""
+    handles = [Line2D([], [], label=printable(names[label]), **styles[label]) for label in styles]
+    figure.legend(
+        title=None if title is None else printable(title),
+        handles=handles,
+        loc="outside upper center",
+        ncols=columns,
+        handlelength=HANDLE_LENGTHS,
+    )
 
 
 def by_value(entries: Sequence[Entry]) -> Sequence[Entry]:

@@ -19,6 +19,7 @@ from service.store.reading.sweeps import get
 from service.store.refusal import ImpossibleMoveError
 from service.store.tables import (
     attempts,
+    diagnoses,
     events,
     measurements,
     runs,
@@ -81,7 +82,8 @@ def purge_runs(connection: Connection, run_ids: Sequence[str]) -> Purged:
     measured = connection.execute(
         delete(measurements).where(measurements.c.run_number.in_(numbers))
     )
-    connection.execute(delete(attempts).where(attempts.c.run_number.in_(numbers)))
+    for others in (attempts, diagnoses):
+        connection.execute(delete(others).where(others.c.run_number.in_(numbers)))
     gone = connection.execute(delete(runs).where(runs.c.number.in_(numbers)))
     return Purged(gone.rowcount, measured.rowcount)
 

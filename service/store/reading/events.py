@@ -51,6 +51,12 @@ def measured(sweep_number: int, run: RunName, first: int, last: int) -> Change:
     return {"sweep_number": sweep_number, "kind": "measurements", "payload": payload}
 
 
+def diagnosed(sweep_number: int, sweep_id: str, run_id: str | None = None) -> Change:
+    """Return the entry for a diagnosis that was made; without a run, for those asked for."""
+    payload = {"sweep_id": sweep_id} | ({} if run_id is None else {"run_id": run_id})
+    return {"sweep_number": sweep_number, "kind": "diagnosis", "payload": payload}
+
+
 def append(connection: Connection, entries: Sequence[Change]) -> None:
     """Append entries in their order; straight through the driver, which costs the least."""
     if not entries:

@@ -34,6 +34,10 @@ INVARIANTS: Mapping[str, str] = {
         SELECT count(*) FROM measurements
         WHERE run_number NOT IN (SELECT number FROM runs)
         OR diagnostic_set NOT IN (SELECT number FROM diagnostic_sets)""",
+    "a diagnosis waits, or has found something, or says why not": """
+        SELECT count(*) FROM diagnoses
+        WHERE NOT CASE WHEN is_waiting THEN findings IS NULL AND problem = ''
+        ELSE (findings IS NULL) = (problem <> '') END""",
     "an event is a sweep's": """
         SELECT count(*) FROM events WHERE sweep_number NOT IN (SELECT number FROM sweeps)""",
     "diagnostics are whole float64 numbers": """

@@ -70,6 +70,17 @@ def test_a_closed_one_starts_nothing(side: SideProcess) -> None:
         side.call("os:getpid")
 
 
+def test_closing_ends_what_it_does(side: SideProcess) -> None:
+    side.call("os:getpid")  # it is up
+    with ThreadPoolExecutor() as threads:
+        busy = threads.submit(side.call, "signal:pause")
+        while not side._turn.locked():
+            pass
+        side.close()
+        with pytest.raises((EOFError, OSError, RuntimeError)):
+            busy.result()
+
+
 def test_it_ends_with_the_service_however_that_ends() -> None:
     """A service that is killed leaves no process behind: the pipe of its output closes."""
     code = (

@@ -93,11 +93,24 @@ export function post(path, body = undefined, headers = {}, signal = undefined) {
 }
 
 /**
+ * A picture that the service draws; throws Refusal.
+ *
+ * @param {string} path
+ * @param {object} [parameters]
+ * @returns {Promise<Blob>}
+ */
+export function getPicture(path, parameters = {}) {
+  return send(address(path, parameters), {}, (response) => response.blob());
+}
+
+/**
  * @param {string} url
  * @param {RequestInit} options
- * @returns {Promise<any>} JSON, whose form the service's OpenAPI tells to `get` and `post`
+ * @param {(response: Response) => Promise<any>} [read] its body; JSON, whose form the service's
+ *   OpenAPI tells to `get` and `post`
+ * @returns {Promise<any>}
  */
-async function send(url, options) {
+async function send(url, options, read = (response) => response.json()) {
   let response;
   try {
     response = await fetch(url, options);
@@ -107,7 +120,7 @@ async function send(url, options) {
   }
   if (!response.ok) throw await refusal(response);
   try {
-    return await response.json();
+    return await read(response);
   } catch (error) {
     if (isDropped(error)) throw error;
     throw new Refusal(0, "The connection broke off in the middle of an answer.");

@@ -3,6 +3,7 @@ import { address, get, refusalOf } from "../connection/api.js";
 import { follow } from "../connection/live.js";
 import { Refresh } from "../connection/refresh.js";
 import * as connection from "../connection/state.js";
+import { DiagnosisSection } from "../diagnosis/section.js";
 import { Controls } from "../parts/controls.js";
 import { at, setText } from "../parts/element.js";
 import { showFacts } from "../parts/facts.js";
@@ -32,14 +33,21 @@ const onError = (/** @type {Error} */ error) => connection.failed(error);
 const refreshRun = new Refresh(loadRun, { interval: 1000, onError });
 const viewer = new Viewer(view, () => refreshRun.hurry());
 const refreshCurves = new Refresh(loadCurves, { interval: 1000, onError });
+const diagnosis = new DiagnosisSection(`/runs/${id}`, () => refreshDiagnosis.hurry());
+const refreshDiagnosis = new Refresh((signal) => diagnosis.load(signal), {
+  interval: 1000,
+  onError,
+});
 
 /** @type {Api.Run | null} */
 let run = null;
 /** @type {Columns | null} */
 let columns = null;
 
-const stream = follow(id.split("-")[0], (_, payload) => {
+const stream = follow(id.split("-")[0], (kind, payload) => {
   if (payload?.run_id !== undefined && payload.run_id !== id) return;
+  if (kind !== "measurements") refreshDiagnosis.request();
+  if (kind === "diagnosis") return;
   refreshRun.request();
   refreshCurves.request();
 });

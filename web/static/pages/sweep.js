@@ -7,6 +7,7 @@ import { get } from "../connection/api.js";
 import { follow } from "../connection/live.js";
 import { Refresh } from "../connection/refresh.js";
 import * as connection from "../connection/state.js";
+import { DiagnosisSection } from "../diagnosis/section.js";
 import { Controls } from "../parts/controls.js";
 import { at, setText } from "../parts/element.js";
 import { COMPARISON_FIELDS, flag, oneOf, text, View } from "../parts/view.js";
@@ -54,8 +55,15 @@ const scores = new ScoreTable(id, view, entries, () => refreshScores.hurry());
 const statistics = new Statistics(id, view, entries, () => refreshStatistics.hurry());
 const verdict = new Verdict(id, entries);
 const refreshVerdict = new Refresh((signal) => verdict.load(signal), { interval: 5000, onError });
+const diagnosis = new DiagnosisSection(`/sweeps/${id}`, () => refreshDiagnosis.hurry());
+const refreshDiagnosis = new Refresh((signal) => diagnosis.load(signal), {
+  interval: 2000,
+  onError,
+});
 
 const stream = follow(id, (kind) => {
+  if (kind !== "measurements") refreshDiagnosis.request();
+  if (kind === "diagnosis") return;
   refreshSweep.request();
   requestVerdict();
   if (kind === "run") return;
@@ -157,5 +165,5 @@ async function copyLink() {
 function hideAll() {
   stream.close();
   at("curves").hidden = at("scores").hidden = at("statistics").hidden = true;
-  at("verdict").hidden = true;
+  at("verdict").hidden = at("diagnosis").hidden = true;
 }

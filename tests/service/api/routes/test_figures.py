@@ -197,7 +197,7 @@ def test_a_figure_shows_what_is_asked_in_that_order_and_under_those_names(
     reader: TestClient, trained: str
 ) -> None:
     labels = [curve["label"] for curve in curves_of(reader, trained)]
-    query = {
+    query: dict[str, Any] = {
         "metric": "return_mean",
         "environment": ["Pendulum", "MassPoint"],
         "entry": [labels[1], labels[0]],
@@ -237,7 +237,7 @@ def test_a_pdf_has_the_fonts_that_journals_take(reader: TestClient, trained: str
 
 
 def test_a_figure_is_as_wide_as_a_column(reader: TestClient, trained: str) -> None:
-    query = {"metric": "return_mean", "columns": 1, "height": 2, "font_size": 6}
+    query: dict[str, Any] = {"metric": "return_mean", "columns": 1, "height": 2, "font_size": 6}
     svg = xml.dom.minidom.parseString(  # noqa: S318 - our own
         reader.get(f"{trained}/plot.svg", params=query).content
     ).documentElement
