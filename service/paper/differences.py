@@ -9,6 +9,7 @@
     evaluations  timesteps + Jacobians: a Jacobian counted as dear as a step (section 3.1)
     seconds      processor time of training (`algorithms.measurement.Measurement.seconds`)
 
+The baseline has the settings chosen for it, which need not be the hybrid's, and the hybrid's form.
 Only pairs count of which both runs reached their end; those that a failed or diverged run spoils
 are told.
 
@@ -27,7 +28,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from algorithms import catalogue
 from service.analysis.comparison import grouped
 from service.analysis.curves import Floats
 from service.analysis.statistics.holm import holm
@@ -104,13 +104,12 @@ def _family(
     """Return the gains in a family's tasks, corrected for their number."""
     cells = grouped(
         [run for run in runs if run.environment in family and run.environment in scales],
-        lambda run: (run.environment, run.algorithm, run.weights, run.config),
+        lambda run: (run.environment, run.row, run.weights),
     )
     found = [
         gain
-        for (environment, algorithm, _, config), ours in cells.items()
-        if (baseline := catalogue.baseline(algorithm))
-        for theirs in [cells.get((environment, baseline, NO_WEIGHTS, config), [])]
+        for (environment, *_), ours in cells.items()
+        for theirs in [cells.get((environment, ours[0].baseline, NO_WEIGHTS), [])]
         for gain in _cell(ours, theirs, scales[environment].unit, len(family))
     ]
     tests = grouped(found, lambda gain: (gain.algorithm, gain.cost)).values()

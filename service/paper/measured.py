@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from algorithms import catalogue
 from service.analysis.curves import Floats
 from service.paper.evaluation import row
 from workers.messages.run_spec import Weights
@@ -27,7 +28,7 @@ class MeasuredRun:
 
     Attributes:
         row: the name of its learner (`service.paper.evaluation.row`).
-        config: its settings, as JSON.
+        baseline: that of the learner it extends; empty for none.
         timesteps: that were asked for.
         status: how it stands.
         columns: of its measurements, each [n].
@@ -36,8 +37,8 @@ class MeasuredRun:
     environment: str
     algorithm: str
     row: str
+    baseline: str
     weights: Weights
-    config: str
     seed: int
     timesteps: int
     status: str
@@ -57,7 +58,8 @@ def read_runs(folder: Path) -> list[MeasuredRun]:
     runs = []
     measured: dict[Path, dict[tuple[Weights, int], Columns]] = {}
     for line in _lines(folder / "scores.csv"):
-        name = row(line["algorithm"], json.loads(line["config"]))
+        config = json.loads(line["config"])
+        name, extended = row(line["algorithm"], config), catalogue.baseline(line["algorithm"])
         weights, seed = Weights(float(line["w1"]), float(line["w2"])), int(line["seed"])
         file = measurements_file(folder, line["environment"], name)
         if file not in measured:
@@ -67,8 +69,8 @@ def read_runs(folder: Path) -> list[MeasuredRun]:
                 line["environment"],
                 line["algorithm"],
                 name,
+                row(extended, config) if extended else "",
                 weights,
-                line["config"],
                 seed,
                 int(line["timesteps"]),
                 line["status"],

@@ -1,11 +1,14 @@
 """Gains at equal cost, against numbers worked out by hand."""
 
+import json
+
 import numpy as np
 import pytest
 import scipy.stats
 
+from algorithms import catalogue
 from service.paper.differences import gains, mean_gain
-from service.paper.evaluation import TASKS
+from service.paper.evaluation import TASKS, row
 from service.paper.measured import MeasuredRun, Scale
 from workers.messages.run_spec import Weights
 
@@ -30,9 +33,9 @@ def run(
         "jacobians": steps * jacobians,
         "seconds": steps / 100 * seconds,
     }
-    return MeasuredRun(
-        environment, algorithm, algorithm, Weights(), config, seed, 1000, status, columns
-    )
+    settings, extended = json.loads(config), catalogue.baseline(algorithm)
+    names = row(algorithm, settings), row(extended, settings) if extended else ""
+    return MeasuredRun(environment, algorithm, *names, Weights(), seed, 1000, status, columns)
 
 
 def scales(unit: float, *tasks: str) -> dict[str, Scale]:
@@ -93,13 +96,16 @@ def test_pairs_with_a_run_that_ended_early_are_told_and_do_not_count() -> None:
     }
 
 
-def test_a_baseline_with_other_settings_is_none() -> None:
+def test_the_baseline_is_of_the_same_form_and_may_have_settings_of_its_own() -> None:
+    learned = '{"temperature": "learned"}'
     runs = [
-        run("sac", 0, [0, 0], config='{"temperature": "learned"}'),
-        run("sac", 0, [1, 1]),
-        run("hybrid-sac", 0, [3, 3]),
+        run("sac", 0, [0, 0], config=learned),
+        run("sac", 0, [1, 1], config='{"reward_scale": 3.0}'),
+        run("hybrid-sac", 0, [3, 3], config='{"reward_scale": 10.0}'),
     ]
     assert {gain.mean.value for gain in gains(runs, scales(1.0))} == {2.0}
+    runs[2] = run("hybrid-sac", 0, [3, 3], config=learned)
+    assert {gain.mean.value for gain in gains(runs, scales(1.0))} == {3.0}
 
 
 def test_p_is_corrected_for_the_papers_seven_tasks() -> None:
