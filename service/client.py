@@ -235,6 +235,7 @@ class Client:
         archived: bool | None = None,
         priority: int | None = None,
         max_workers: int | Literal["any"] | None = None,
+        webhook: str | Literal["none"] | None = None,
     ) -> SweepAnswer:
         """Change how a sweep is described, found and ranked; None leaves a field as it is.
 
@@ -246,6 +247,7 @@ class Client:
             archived: whether lists leave it out.
             priority: sweeps with a higher one start first.
             max_workers: how many may train its runs at once; "any" lifts the limit.
+            webhook: URL that is told when all runs have ended; "none" for none.
         """
         fields: dict[str, Any] = {
             "name": name,
@@ -257,6 +259,8 @@ class Client:
         changes = {field: value for field, value in fields.items() if value is not None}
         if max_workers is not None:
             changes["max_workers"] = None if max_workers == "any" else max_workers
+        if webhook is not None:
+            changes["webhook"] = None if webhook == "none" else webhook
         answer = self._call("PATCH", f"/sweeps/{sweep_id}", json=changes)
         return SweepAnswer.model_validate_json(answer.content)
 

@@ -13,6 +13,7 @@ from service.settings import Settings
 
 TOKEN_BYTES = 24
 FILE_NAME = "token"
+WEBHOOK_FILE_NAME = "webhook-secret"
 
 
 class ExposedTokenError(RefusalError):
@@ -37,6 +38,15 @@ def access_token(settings: Settings) -> str:
     return file.read_text(encoding="utf-8").strip()
 
 
+def webhook_secret(settings: Settings) -> str:
+    """Return `settings.webhook_secret`, else that of a file, made at first use (mode 0600)."""
+    if settings.webhook_secret is not None:
+        return settings.webhook_secret.get_secret_value()
+    file = settings.data_dir / WEBHOOK_FILE_NAME
+    _create_unless_there(file)
+    return file.read_text(encoding="utf-8").strip()
+
+
 def signin_link(settings: Settings, token: str) -> str:
     """Return the link that signs a browser in."""
     return f"{settings.url}/signin?token={quote(token, safe='')}"
@@ -58,7 +68,7 @@ def _create_unless_there(file: Path) -> None:
     """Write a new token whole or not at all, and never over another process's."""
     if file.exists():
         return
-    draft = file.with_name(f".{FILE_NAME}-{secrets.token_hex(8)}")
+    draft = file.with_name(f".{file.name}-{secrets.token_hex(8)}")
     descriptor = os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
     try:
         with os.fdopen(descriptor, "w", encoding="utf-8") as stream:

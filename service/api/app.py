@@ -98,6 +98,7 @@ def create_app(
     app.state.event_feed = EventFeed(store)
     app.state.side = SideProcess()
     app.state.checkpoints = settings.checkpoint_place
+    app.state.webhook_hosts = settings.webhook_hosts
     app.state.worker_memory = settings.run_memory
     app.state.shelf = shelf or TaskShelf(settings.data_dir)
     app.state.diagnoser = Diagnoser(

@@ -46,6 +46,7 @@ TheShelf = Annotated[TaskShelf, held("shelf")]
 TheStore = Annotated[Store, held("store")]
 TheEventFeed = Annotated[EventFeed, held("event_feed")]
 TheWorkerMemory = Annotated[int, held("worker_memory")]
+TheWebhookHosts = Annotated[tuple[str, ...], held("webhook_hosts")]
 TheWorkforce = Annotated[Workforce, held("dispatcher")]
 
 

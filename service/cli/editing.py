@@ -28,6 +28,9 @@ def edit(
     max_workers: Annotated[
         int | None, typer.Option(help="Of it at once; 0 lifts the limit.")
     ] = None,
+    webhook: Annotated[
+        str | None, typer.Option(help="URL that is told of its end; none: nobody.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Change the name, notes, tags or priority of a sweep, or archive it; at any time."""
@@ -42,6 +45,7 @@ def edit(
             archived=archive,
             priority=priority,
             max_workers="any" if max_workers == 0 else max_workers,
+            webhook=webhook,
         )
         if as_json:
             print_json(sweep)

@@ -22,7 +22,7 @@ from service.api.problems import Fault, ImpossibleMove, InvalidRequest, NotFound
 from service.api.revalidation import RevalidatedRoute
 from service.api.schemas.diagnosis_answer import CellsQuery, DiagnosisAnswer
 from service.api.side_process import BusyError, Side, TooSlowError
-from service.api.submission.nearest import unknown_name
+from service.api.nearest import unknown_name
 from service.model.diagnosis import Diagnosis
 from service.model.entry import Entries, Entry
 from service.model.run import Run

@@ -23,10 +23,12 @@ from service.api.schemas.sweep_edit import (
     NOTES_TEXT,
     PRIORITY_TEXT,
     TAGS_TEXT,
+    WEBHOOK_TEXT,
     MaxWorkers,
     Notes,
     Priority,
     Tags,
+    WebhookURL,
 )
 from service.api.schemas.texts import Name, Request, label_text, storable
 
@@ -290,3 +292,4 @@ class SweepRequest(Request):
         default=None,
         description="What the sweep is to find out: the service adds seeds until it is decided.",
     )
+    webhook: WebhookURL | None = Field(default=None, description=WEBHOOK_TEXT)
