@@ -37,6 +37,7 @@ from service.api.routes import (
     signin,
     submissions,
     sweeps,
+    workers,
 )
 from service.api.security import Guard
 from service.api.side_process import SideProcess
@@ -56,6 +57,7 @@ RESOURCES = (
     figures,
     events,
     catalogue,
+    workers,
 )
 
 

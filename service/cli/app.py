@@ -42,8 +42,7 @@ app.add_typer(db.app)
 app.add_typer(paper.app)
 COMMANDS: tuple[Callable[..., None], ...] = (
     serve, submit, ls, show, edit, watch, *map(command_of, TRANSITIONS), export, table, plot,
-    figure,
-    rollout, verify, doctor,
+    figure, rollout, verify, doctor,
 )  # fmt: skip
 for command in COMMANDS:
     app.command()(command)

@@ -35,7 +35,7 @@ from service.store.claiming import (
 from service.store.claiming.retry import RetryPolicy
 from service.store.connection import connect
 from service.store.reader import Reader
-from service.store.reading import costs, events, runs, standings, sweep_names, sweeps
+from service.store.reading import costs, events, occupation, runs, standings, sweep_names, sweeps
 from service.store.reading import measurements as measured
 from service.store.reading import random_returns as zeros
 from service.store.upkeep.migration import upgrade
@@ -141,6 +141,8 @@ class Store:
     # ---- the queue
 
     waiting_cells = _reads(claims.waiting_cells)
+    training = _reads(occupation.training)
+    waiting_sweeps = _reads(occupation.waiting)
     count_runs = _reads(runs.count)
     count_attempts = _reads(runs.count_attempts)
     cancelling_runs = _reads(runs.cancelling)

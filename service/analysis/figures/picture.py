@@ -6,6 +6,7 @@ import unicodedata
 import warnings
 from collections.abc import Callable, Mapping
 from importlib.resources import files
+from typing import Any, cast
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
@@ -32,10 +33,10 @@ drawing = threading.Lock()
 
 
 def picture(
-    draw: Callable[[], Figure], form: Form, settings: Mapping[str, object] | None = None
+    draw: Callable[[], Figure], form: Form, settings: Mapping[str, Any] | None = None
 ) -> bytes:
     """Return what is drawn as a file's bytes, under matplotlib's settings of its own."""
-    with drawing, warnings.catch_warnings(), mpl.rc_context(dict(settings or {})):
+    with drawing, warnings.catch_warnings(), mpl.rc_context(cast("Any", dict(settings or {}))):
         # A name may hold characters that the font lacks; the figure shows boxes for them.
         warnings.filterwarnings("ignore", message="Glyph .* missing from font")
         file = io.BytesIO()

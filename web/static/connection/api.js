@@ -93,6 +93,19 @@ export function post(path, body = undefined, headers = {}, signal = undefined) {
 }
 
 /**
+ * Change some fields of a resource; throws Refusal.
+ *
+ * @template {string} const P
+ * @param {P & Api.Known<P, "patch">} path
+ * @param {object} changes
+ * @returns {Promise<Api.Answer<P, "patch">>}
+ */
+export function patch(path, changes) {
+  const headers = { "Content-Type": "application/json" };
+  return send(address(path), { method: "PATCH", headers, body: JSON.stringify(changes) });
+}
+
+/**
  * @param {string} url
  * @param {RequestInit} options
  * @returns {Promise<any>} JSON, whose form the service's OpenAPI tells to `get` and `post`

@@ -5,6 +5,7 @@ import { at, setText } from "../parts/element.js";
 import { statusCounts, timeElement } from "../parts/status.js";
 import { count, percent } from "../texts/format.js";
 import { isActive, stateText, summary } from "../texts/sweep.js";
+import { Description } from "./description.js";
 import { cancelSweep } from "./moves.js";
 import { loadProblems } from "./problems.js";
 
@@ -20,6 +21,7 @@ export class SweepHead {
   #refetch;
   #onMissing;
   #showCounts = statusCounts(at("counts"));
+  #description;
 
   /**
    * @param {string} id
@@ -32,6 +34,7 @@ export class SweepHead {
     this.#titled = titled;
     this.#refetch = refetch;
     this.#onMissing = onMissing;
+    this.#description = new Description(refetch);
     at("cancel").addEventListener("click", () => this.#act((sweep) => cancelSweep(sweep)));
     for (const verb of /** @type {const} */ (["pause", "resume", "retry"])) {
       at(verb).addEventListener("click", () => this.#act(() => post(`/sweeps/${id}/${verb}`)));
@@ -67,6 +70,7 @@ export class SweepHead {
     again.href = `/?${draft}`;
     again.hidden = false; // not before: it would lead to an empty form
     this.#showCounts(sweep);
+    this.#description.show(sweep);
     showActions(sweep);
   }
 
