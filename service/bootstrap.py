@@ -10,6 +10,7 @@ from service.api.app import create_app
 from service.data_dir import owned
 from service.queue.checkpoint_removal import CheckpointRemoval
 from service.queue.dispatch import Dispatcher
+from service.queue.disposal import Disposal
 from service.queue.worker_memory import runs_at_once
 from service.settings import Settings
 from service.store.store import Store
@@ -42,13 +43,18 @@ def wired(settings: Settings) -> Iterator[FastAPI]:
                 limit_of=partial(runs_at_once, worker_memory=settings.run_memory),
             )
             app = create_app(settings, store, dispatcher)
-            removal = CheckpointRemoval(store, settings.checkpoint_place)
+            chores = (
+                CheckpointRemoval(store, settings.checkpoint_place, settings.keep_checkpoints),
+                Disposal(store, settings.checkpoint_place, settings.retention),
+            )
             dispatcher.start()
-            removal.start()
+            for each in chores:
+                each.start()
             try:
                 yield app
             finally:
-                removal.stop()
+                for each in chores:
+                    each.stop()
                 dispatcher.stop()
         finally:
             store.close()

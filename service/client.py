@@ -28,6 +28,7 @@ from pydantic import BaseModel
 
 from service.analysis.figures.figure_form import Form
 from service.analysis.figures.paper_figure import FigureNumber
+from service.api.schemas.bulk import BulkAnswer, DeletionAnswer
 from service.api.schemas.curves_answer import CurvesAnswer
 from service.api.schemas.listed_sweep_answer import ListedSweepAnswer
 from service.api.schemas.measurements_answer import MeasurementsAnswer
@@ -43,6 +44,7 @@ from service.api.schemas.sweep_request import SweepRequest
 from service.model.move import Move
 from service.model.run_name import is_run
 from service.model.sweep import SweepStatus
+from service.store.claiming.bulk import BulkMove
 
 API = "/api/v1"
 
@@ -217,6 +219,7 @@ class Client:
         tags: Sequence[str] | None = None,
         archived: bool | None = None,
         priority: int | None = None,
+        max_workers: int | Literal["any"] | None = None,
     ) -> SweepAnswer:
         """Change how a sweep is described, found and ranked; None leaves a field as it is.
 
@@ -227,8 +230,9 @@ class Client:
             tags: replace those that it has.
             archived: whether lists leave it out.
             priority: sweeps with a higher one start first.
+            max_workers: how many may train its runs at once; "any" lifts the limit.
         """
-        fields = {
+        fields: dict[str, Any] = {
             "name": name,
             "notes": notes,
             "tags": None if tags is None else list(tags),
@@ -236,6 +240,8 @@ class Client:
             "priority": priority,
         }
         changes = {field: value for field, value in fields.items() if value is not None}
+        if max_workers is not None:
+            changes["max_workers"] = None if max_workers == "any" else max_workers
         answer = self._call("PATCH", f"/sweeps/{sweep_id}", json=changes)
         return SweepAnswer.model_validate_json(answer.content)
 
@@ -258,11 +264,11 @@ class Client:
         return [AttemptAnswer.model_validate(attempt) for attempt in answer]
 
     def move(self, identifier: str, move: Move) -> SweepAnswer | RunAnswer:
-        """Cancel, pause, resume or retry a sweep, or a single run.
+        """Cancel, pause, resume, retry or uncancel a sweep, or a single run.
 
         Args:
             identifier: a sweep's id, or a run's (`<sweep>-<number>`).
-            move: "cancel", "pause", "resume" or "retry".
+            move: "cancel", "pause", "resume", "retry" or "uncancel".
 
         Returns:
             The sweep or the run afterwards.
@@ -271,6 +277,48 @@ class Client:
         if is_run(identifier):
             return RunAnswer.model_validate_json(answer)
         return SweepAnswer.model_validate_json(answer)
+
+    def move_all(self, identifiers: Sequence[str], move: BulkMove) -> BulkAnswer:
+        """Ask many sweeps and runs for a move in one request.
+
+        Args:
+            identifiers: ids of sweeps and of runs.
+            move: as for `move`; or "delete", "archive" or "unarchive", for sweeps alone.
+
+        Returns:
+            Which were moved, and why the others were not.
+        """
+        asked = {"move": move, "ids": list(identifiers)}
+        return BulkAnswer.model_validate_json(self._call("POST", "/moves", json=asked).content)
+
+    def add_seeds(self, sweep_id: str, seeds: Sequence[int]) -> SweepAnswer:
+        """Add runs of these seeds to every curve of a sweep."""
+        return self._add(sweep_id, {"seeds": list(seeds)})
+
+    def add_entries(self, sweep_id: str, algorithms: Sequence[Mapping[str, Any]]) -> SweepAnswer:
+        """Add entries to a sweep, with its seeds, in every one of its tasks.
+
+        Args:
+            sweep_id: the sweep.
+            algorithms: as in a request.
+        """
+        return self._add(sweep_id, as_json({"algorithms": list(algorithms)}))
+
+    def extend(self, sweep_id: str, timesteps: int) -> SweepAnswer:
+        """Give the runs of a sweep more timesteps; those that ended go on from where they did.
+
+        They come to the bits of runs that were as long from the start.
+        """
+        return self._add(sweep_id, {"timesteps": timesteps})
+
+    def _add(self, sweep_id: str, added: Mapping[str, Any]) -> SweepAnswer:
+        answer = self._call("POST", f"/sweeps/{sweep_id}/runs", json=added).content
+        return SweepAnswer.model_validate_json(answer)
+
+    def delete(self, sweep_id: str) -> DeletionAnswer:
+        """Delete a sweep that has ended, with all that it measured and learned, for good."""
+        answer = self._call("DELETE", f"/sweeps/{sweep_id}").content
+        return DeletionAnswer.model_validate_json(answer)
 
     def measurements(self, run_id: str) -> MeasurementsAnswer:
         """Every measurement of a run, as columns of equal length."""

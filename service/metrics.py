@@ -32,6 +32,18 @@ MEASUREMENTS = Counter(
     "Measurements in reports of workers that were written; those sent twice count twice.",
     registry=REGISTRY,
 )
+FREED_BYTES = Counter(
+    "d3pg_freed_bytes",
+    "Bytes of files that were older than they are kept.",
+    ["kind"],
+    registry=REGISTRY,
+)
+FREED_ROWS = Counter(
+    "d3pg_freed_rows",
+    "Rows of deleted sweeps, and of events that were older than they are kept.",
+    ["kind"],
+    registry=REGISTRY,
+)
 HTTP_SECONDS = Histogram(
     "d3pg_http_request_seconds",
     "From a request to the start of its answer.",

@@ -8,6 +8,7 @@ from typing import Annotated, Self
 from pydantic import ByteSize, Field, SecretStr, field_validator, model_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
+from service.queue.disposal import Retention
 from service.queue.worker_memory import LEAST_BYTES, PROCESS_BYTES, usual_worker_memory
 from workers.checkpoints.place import Place, place_of
 
@@ -68,6 +69,17 @@ class Settings(BaseSettings):
         default=None,
         ge=LEAST_BYTES,
         description="What the runs of one worker may fill, such as 6GB",
+    )
+    keep_checkpoints: ByteSize = Field(
+        default=ByteSize(2 * 10**9),
+        ge=0,
+        description="What the last checkpoints of runs that ended may fill, such as 2GB; 0: none",
+    )
+    keep_policies: float | None = Field(
+        default=None, gt=0, description="Days that what a run learned is kept after its end"
+    )
+    keep_events: float | None = Field(
+        default=None, gt=0, description="Days that events of the event stream are kept"
     )
     token: SecretStr | None = Field(
         default=None, description="Access token, instead of the token file's"
@@ -138,6 +150,11 @@ class Settings(BaseSettings):
     def run_memory(self) -> int:
         """Bytes that the runs of one worker may fill together."""
         return self.worker_memory or usual_worker_memory(self.workers)
+
+    @property
+    def retention(self) -> Retention:
+        """How long policies and events are kept."""
+        return Retention(self.keep_policies, self.keep_events)
 
     @property
     def promised_memory(self) -> int:

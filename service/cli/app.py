@@ -16,8 +16,9 @@ import typer
 from rich.console import Console
 
 from service.cli import paper
+from service.cli.adding import add, extend
 from service.cli.drawing import figure
-from service.cli.editing import edit
+from service.cli.editing import edit, rm
 from service.cli.exporting import export, plot, table
 from service.cli.following import watch
 from service.cli.host import db, demo
@@ -41,8 +42,8 @@ app = typer.Typer(
 app.add_typer(db.app)
 app.add_typer(paper.app)
 COMMANDS: tuple[Callable[..., None], ...] = (
-    serve, submit, ls, show, edit, watch, *map(command_of, TRANSITIONS), export, table, plot,
-    figure, rollout, verify, doctor,
+    serve, submit, ls, show, edit, watch, *map(command_of, TRANSITIONS), rm, add, extend,
+    export, table, plot, figure, rollout, verify, doctor,
 )  # fmt: skip
 for command in COMMANDS:
     app.command()(command)

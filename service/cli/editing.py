@@ -1,4 +1,4 @@
-"""`d3pg edit`: how a sweep is described, found and ranked."""
+"""`d3pg edit` and `rm`: how a sweep is described, found and ranked; deleting sweeps."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from typing import Annotated
 import typer
 
 from service.cli.listing import show_sweep
-from service.cli.terminal import AsJson, SweepId, print_json
+from service.cli.moving import say_moved
+from service.cli.submitting import counted_runs
+from service.cli.terminal import AsJson, SweepId, errors, plain, print_json, say
 from service.client import Client
 
 
@@ -23,6 +25,9 @@ def edit(
         bool | None, typer.Option("--archive/--unarchive", help="Out of the lists, or back.")
     ] = None,
     priority: Annotated[int | None, typer.Option(help="Higher goes first.")] = None,
+    max_workers: Annotated[
+        int | None, typer.Option(help="Of it at once; 0 lifts the limit.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Change the name, notes, tags or priority of a sweep, or archive it; at any time."""
@@ -36,8 +41,25 @@ def edit(
             tags=[] if untag else tag or None,
             archived=archive,
             priority=priority,
+            max_workers="any" if max_workers == 0 else max_workers,
         )
         if as_json:
             print_json(sweep)
         else:
             show_sweep(sweep, client.url)
+
+
+def rm(
+    sweep_ids: Annotated[list[str], typer.Argument(metavar="SWEEP...", help="Ids of sweeps.")],
+    yes: Annotated[bool, typer.Option("--yes", "-y", help="Do not ask.")] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Delete sweeps that have ended, with all that they measured and learned, for good."""
+    with Client() as client:
+        if not yes:
+            for sweep_id in sweep_ids:
+                sweep = client.sweep(sweep_id)
+                say(f"{sweep.id}: {plain(sweep.name)}, {counted_runs(sweep.runs.total)}", errors)
+            typer.confirm("Delete for good, with measurements and policies?", abort=True, err=True)
+        answer = client.move_all(sweep_ids, "delete")
+    say_moved(answer, "deleted", as_json)

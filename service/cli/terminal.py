@@ -18,6 +18,7 @@ MAX_UNFOLDED = 18
 PADDING = 2
 
 console = Console()
+errors = Console(stderr=True)
 
 AsJson = Annotated[bool, typer.Option("--json", help="Print the service's answer as JSON.")]
 SweepId = Annotated[str, typer.Argument(metavar="SWEEP", help="The id of a sweep.")]

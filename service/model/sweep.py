@@ -51,6 +51,7 @@ class Sweep:
     request      what was posted, and what was added to it since
     notes        Markdown, shown as text
     tags         in the order that they were given
+    max_workers  that may train its runs at once; None: any number
     archived     out of the way: lists leave it out unless they are asked for it
     progress     share of the asked timesteps that is done; a run that reached its end counts whole,
                  any other as far as it got
@@ -70,3 +71,4 @@ class Sweep:
     notes: str
     tags: tuple[str, ...]
     archived: bool
+    max_workers: int | None

@@ -1,61 +1,48 @@
 """Removing the checkpoints of runs that have ended; what they learned stays.
 
-Whose are to be removed stands in the database, so none is forgotten when the service dies.
+Runs that reached their end keep their last one while there is room, so that they can go on to more
+timesteps: the oldest go first. Whose are to be removed stands in the database, so none is forgotten
+when the service dies.
 """
 
-import threading
+from collections.abc import Sequence
 
-import structlog
-
+from service.queue.rounds import Rounds
 from service.store.store import Store
-from workers.checkpoints.checkpoint_folder import remove_checkpoints
+from workers.checkpoints.checkpoint_folder import remove_checkpoints, size_of_checkpoints
 from workers.checkpoints.place import Place
 
-log = structlog.get_logger(__name__)
-
-ROUND_SECONDS = 5.0
 AT_ONCE = 256
-STOP_SECONDS = 1.0
 
 
-class CheckpointRemoval:
-    """Looks every few seconds, on a thread of its own. `start` begins, `stop` ends."""
+class CheckpointRemoval(Rounds):
+    """Looks every few seconds. Runs that reached their end keep so many bytes together."""
 
-    def __init__(self, store: Store, place: Place) -> None:
+    def __init__(self, store: Store, place: Place, keep_bytes: int = 0) -> None:
         """Begin nothing yet."""
+        super().__init__("checkpoint removal")
         self._store = store
         self._place = place
-        self._stopping = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="checkpoint removal", daemon=True)
+        self._keep_bytes = keep_bytes
 
-    def start(self) -> None:
-        """Start the thread."""
-        self._thread.start()
-
-    def stop(self) -> None:
-        """Stop after what is under way, or leave it where its place does not answer.
-
-        The next service removes what was not.
-        """
-        self._stopping.set()
-        self._thread.join(STOP_SECONDS)
+    def work(self) -> bool:
+        """Remove some."""
+        return self.remove() == AT_ONCE
 
     def remove(self) -> int:
         """Remove what is to be removed, and return of how many runs."""
         ended = self._store.ended_with_checkpoints(AT_ONCE)
-        for run_id in ended:
-            remove_checkpoints(self._place, run_id)
-        if ended:
-            self._store.forget_checkpoints(ended)
-        return len(ended)
+        kept = [run_id for run_id, is_whole in ended.items() if is_whole and self._keep_bytes]
+        if kept:
+            sizes = {run_id: size_of_checkpoints(self._place, run_id) for run_id in kept}
+            self._store.keep_checkpoints(sizes)
+        self._remove([run_id for run_id in ended if run_id not in kept])
+        beyond = self._store.checkpoints_beyond(self._keep_bytes, AT_ONCE)
+        self._remove(beyond)
+        return max(len(ended), len(beyond))
 
-    def _run(self) -> None:
-        while not self._stopping.wait(ROUND_SECONDS):
-            try:
-                while self.remove() == AT_ONCE and not self._stopping.is_set():
-                    pass
-            except OSError as trouble:  # tried again
-                reason = trouble.strerror
-                log.warning("checkpoints of ended runs could not be removed", reason=reason)
-            except Exception:  # the database refuses: tried again
-                log.exception("checkpoints of ended runs could not be removed")
+    def _remove(self, run_ids: Sequence[str]) -> None:
+        for run_id in run_ids:
+            remove_checkpoints(self._place, run_id)
+        if run_ids:
+            self._store.forget_checkpoints(run_ids)

@@ -25,9 +25,12 @@ from service.metrics import MEASUREMENTS
 from service.model.claim import CellLimit, Claim, no_limit
 from service.store import records
 from service.store.claiming import (
+    bulk,
     checkpoints,
     claims,
+    deletion,
     endings,
+    growth,
     run_moves,
     sweep_edits,
     sweep_moves,
@@ -132,6 +135,12 @@ class Store:
     sweep_outlines = _reads(standings.outlines)
     sweep_tags = _reads(sweep_names.all_tags)
     edit_sweep = _writes(sweep_edits.edit)
+    sweep_cells = _reads(growth.cells)
+    add_seeds = _writes(growth.add_seeds)
+    add_entries = _writes(growth.add_entries)
+    extend_sweep = _writes(growth.extend)
+    delete_sweep = _writes(deletion.delete_sweep)
+    move_all = _writes(bulk.move_all)
     move_sweep = _writes(sweep_moves.move_sweep)
     find_run = _reads(runs.find)
     list_runs = _reads(runs.page)
@@ -149,6 +158,8 @@ class Store:
     fail = _writes(endings.fail)
     release = _writes(endings.release)
     ended_with_checkpoints = _reads(checkpoints.of_ended)
+    keep_checkpoints = _writes(checkpoints.keep)
+    checkpoints_beyond = _reads(checkpoints.kept_beyond)
     forget_checkpoints = _writes(checkpoints.forget)
 
     def claim_cohort(
@@ -205,6 +216,15 @@ class Store:
         if not self.read(claims.has_expired):  # usually: then nothing is written
             return 0
         return self.write(endings.lose_expired, self._retry)
+
+    # ---- throwing away
+
+    deleted_runs = _reads(deletion.deleted_runs)
+    purge_runs = _writes(deletion.purge_runs)
+    purge_sweep = _writes(deletion.purge_sweep)
+    purge_events = _writes(deletion.purge_events)
+    old_policies = _reads(deletion.old_policies)
+    forget_policies = _writes(deletion.forget_policies)
 
     # ---- what was measured
 

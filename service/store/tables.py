@@ -11,9 +11,9 @@ A run's name is "<sweep>-<ordinal>"; inside, rows are joined by integers. Times 
 since 1970 by the database's clock.
 
 Measurements and events have no foreign keys: PostgreSQL checks one in the time that a row takes.
-Their writer has read the run and the sweep in the same transaction, nothing is deleted that they
-refer to, and `integrity` looks. No index has a column that every report changes (`lease_until`,
-`timestep`): PostgreSQL writes all indexes of a row anew where one has.
+Their writer has read the run and the sweep in the same transaction, they go before what they refer
+to does (`claiming.deletion`), and `integrity` looks. No index has a column that every report
+changes (`lease_until`, `timestep`): PostgreSQL writes all indexes of a row anew where one has.
 """
 
 from sqlalchemy import (
@@ -65,8 +65,12 @@ sweeps = Table(
     Column("submission_key", Text, unique=True, index=True),
     Column("notes", Text, nullable=False, default="", server_default=""),
     Column("archived_at", Double),
+    Column("deleted_at", Double),  # nobody sees it any more; its rows and files go bit by bit
+    Column("max_workers", Integer),
     sqlite_autoincrement=True,
 )
+
+is_there = sweeps.c.deleted_at.is_(None)
 
 sweep_names = Table(
     "sweep_names",
@@ -109,6 +113,8 @@ runs = Table(
     Column("resumed_timestep", BigInteger),  # NULL until the current attempt's worker says
     Column("memory_bytes", BigInteger),
     Column("score", Exact),  # of a run that succeeded: its final score, as it was measured
+    Column("may_have_policy", Boolean, nullable=False, default=False, server_default=false()),
+    Column("kept_bytes", BigInteger),  # of checkpoints that are kept after its end; NULL: unknown
     # Set by a claim, not by what a worker tells: it may be lost between writing and telling.
     Column("may_have_files", Boolean, nullable=False, default=False, server_default=false()),
     UniqueConstraint("sweep_number", "ordinal"),

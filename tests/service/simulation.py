@@ -143,6 +143,8 @@ class Simulation:
             (self.users.pause_sweep, 0.5),
             (self.users.resume_sweep, 1),
             (self.users.retry_sweep, 0.6),
+            (self.users.delete_sweep, 0.5),
+            (self.users.purge, 1),
             (self.crash, 0.8),
             (self.vanish, 0.3),
             (self.retire, 0.5),

@@ -70,6 +70,13 @@ class Bucket:
         paths: list[str] = self._ask(lambda s3: s3.find(self._root, prefix=beginning))
         return [path.removeprefix(f"{self._root}/") for path in paths]
 
+    def sizes(self, beginning: str) -> dict[str, int]:
+        """The sizes in bytes of the objects whose keys begin so, by key."""
+        found = self._ask(lambda s3: s3.find(self._root, prefix=beginning, detail=True))
+        return {
+            path.removeprefix(f"{self._root}/"): int(about["size"]) for path, about in found.items()
+        }
+
     def delete(self, keys: Sequence[str]) -> None:
         """Remove objects."""
         self._ask_each(lambda s3, path: s3.rm_file(path), keys)

@@ -55,6 +55,11 @@ class BucketFolder:
         """The files there are, each once, however many pieces it has."""
         return list(dict.fromkeys(map(self._file_of, self._bucket.keys(f"{self._name}/"))))
 
+    def size(self, name: str) -> int:
+        """Bytes of a file with all its pieces."""
+        sizes = self._bucket.sizes(f"{self._name}/{name}")
+        return sum(size for key, size in sizes.items() if self._file_of(key) == name)
+
     def remove(self, is_unneeded: Callable[[str], bool]) -> None:
         """Remove files with all their pieces."""
         keys = self._bucket.keys(f"{self._name}/")

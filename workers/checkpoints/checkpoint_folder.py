@@ -44,4 +44,28 @@ def has_policy(place: Place, run_id: str) -> bool:
 
 def remove_checkpoints(place: Place, run_id: str) -> None:
     """Remove the checkpoints of a run that has ended; what it learned stays. Raises OSError."""
-    folder_in(place, run_id).remove(lambda name: not name.startswith(POLICY))
+    folder_in(place, run_id).remove(_is_of_checkpoints)
+
+
+def size_of_checkpoints(place: Place, run_id: str) -> int:
+    """Bytes of a run's checkpoints. Raises OSError."""
+    folder = folder_in(place, run_id)
+    return sum(folder.size(name) for name in filter(_is_of_checkpoints, folder.names()))
+
+
+def remove_policies(place: Place, run_id: str) -> int:
+    """Remove what a run has learned, and return its bytes. Raises OSError."""
+    folder = folder_in(place, run_id)
+    learned = [name for name in folder.names() if not _is_of_checkpoints(name)]
+    size = sum(map(folder.size, learned))
+    folder.remove(lambda name: name in learned)
+    return size
+
+
+def remove_all(place: Place, run_id: str) -> None:
+    """Remove every file of a run that was deleted. Raises OSError."""
+    folder_in(place, run_id).remove(lambda _: True)
+
+
+def _is_of_checkpoints(name: str) -> bool:
+    return not name.startswith(POLICY)

@@ -6,6 +6,7 @@ stands for half of it, whenever the power goes.
 
 import os
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 
@@ -58,10 +59,19 @@ class DiskFolder:
         except FileNotFoundError:
             return []
 
+    def size(self, name: str) -> int:
+        """Bytes of a file."""
+        try:
+            return (self._path / name).stat().st_size
+        except FileNotFoundError:
+            return 0
+
     def remove(self, is_unneeded: Callable[[str], bool]) -> None:
-        """Remove files."""
+        """Remove files, and the folder where none is left."""
         for name in filter(is_unneeded, self.names()):
             (self._path / name).unlink(missing_ok=True)
+        with suppress(OSError):
+            self._path.rmdir()
 
     def _make(self) -> None:
         self._path.mkdir(mode=0o700, parents=True, exist_ok=True)

@@ -37,5 +37,8 @@ class Folder(Protocol):
     def names(self) -> list[str]:
         """The files there are, in no order."""
 
+    def size(self, name: str) -> int:
+        """Bytes of a file, with all that was appended to it; 0 where it is missing."""
+
     def remove(self, is_unneeded: Callable[[str], bool]) -> None:
         """Remove the files whose names are unneeded."""

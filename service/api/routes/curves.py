@@ -16,12 +16,12 @@ from service.analysis.comparison import (
 )
 from service.analysis.curves import Band
 from service.api.context import TheStore, TheSweep
+from service.api.nearest import unknown_name
 from service.api.problems import Fault, InvalidRequest
 from service.api.revalidation import RevalidatedRoute
 from service.api.schemas.curves_answer import CurvesAnswer, curves_json
 from service.api.schemas.sweep_request import MAX_RUNS
 from service.api.schemas.texts import Text
-from service.api.submission.nearest import unknown_name
 from service.model.entry import Entries
 from service.model.environment import best_return
 from service.model.run_curve import RETURNS

@@ -6,47 +6,58 @@ with the reason.
 
 from collections.abc import Callable
 from http import HTTPStatus
-from typing import TypeVar
 
 from fastapi import APIRouter
 
 from service.api.context import TheLabel, TheRun, TheStore, TheSweep
-from service.api.problems import ImpossibleMove
+from service.api.problems import refusing
+from service.api.schemas.bulk import (
+    BulkAnswer,
+    BulkRequest,
+    DeletionAnswer,
+    RefusalAnswer,
+)
 from service.api.schemas.run_answer import RunAnswer
 from service.api.schemas.sweep_answer import SweepAnswer
 from service.model.move import TRANSITIONS, Move
 from service.model.run import Run
 from service.model.sweep import Sweep
-from service.store.refusal import ImpossibleMoveError
 from service.store.store import Store
 
 router = APIRouter()
 sweeps = APIRouter(prefix="/sweeps/{sweep_id}", tags=["sweeps"])
 runs = APIRouter(prefix="/runs/{run_id}", tags=["runs"])
 
-Moved = TypeVar("Moved")
+
+@router.post("/moves", tags=["sweeps"], status_code=HTTPStatus.ACCEPTED)
+def move_many(request: BulkRequest, store: TheStore) -> BulkAnswer:
+    """Ask many sweeps and runs for a move at once; those for which it is impossible say why."""
+    refused = store.move_all(request.move, request.ids)
+    names = {each.id for each in refused}
+    return BulkAnswer(
+        moved=[each for each in request.ids if each not in names],
+        refused=[RefusalAnswer(id=each.id, reason=each.reason) for each in refused],
+    )
+
+
+@router.delete("/sweeps/{sweep_id}", tags=["sweeps"], status_code=HTTPStatus.ACCEPTED)
+def delete_sweep(sweep: TheSweep, store: TheStore) -> DeletionAnswer:
+    """Delete a sweep that has ended, with all that it measured and learned, for good."""
+    return DeletionAnswer(id=sweep.id, runs=refusing(lambda: store.delete_sweep(sweep.id)))
 
 
 def _move_of_sweep(asked: Move) -> Callable[[Sweep, Store], SweepAnswer]:
     def move(sweep: TheSweep, store: TheStore) -> SweepAnswer:
-        return SweepAnswer.of(_moved(store.move_sweep, sweep.id, asked))
+        return SweepAnswer.of(refusing(lambda: store.move_sweep(sweep.id, asked)))
 
     return move
 
 
 def _move_of_run(asked: Move) -> Callable[[Run, str, Store], RunAnswer]:
     def move(run: TheRun, label: TheLabel, store: TheStore) -> RunAnswer:
-        return RunAnswer.of(_moved(store.move_run, run.id, asked), label)
+        return RunAnswer.of(refusing(lambda: store.move_run(run.id, asked)), label)
 
     return move
-
-
-def _moved(move: Callable[[str, Move], Moved], name: str, asked: Move) -> Moved:
-    try:
-        return move(name, asked)
-    except ImpossibleMoveError as refusal:
-        text = str(refusal)
-        raise ImpossibleMove(f"{text[0].upper()}{text[1:]}.") from refusal
 
 
 for asked, transition in TRANSITIONS.items():

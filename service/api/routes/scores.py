@@ -20,7 +20,7 @@ from service.api.revalidation import RevalidatedRoute
 from service.api.schemas.score_table_answer import ScoreTableAnswer, score_table_csv
 from service.api.schemas.statistics_answer import StatisticsAnswer
 from service.api.schemas.texts import Text
-from service.api.submission.nearest import unknown_name
+from service.api.nearest import unknown_name
 from service.model.entry import Entries
 from service.model.environment import best_return
 from service.model.sweep import Sweep

@@ -65,6 +65,7 @@ def submit_sweep(
             entries=planned.places(),
             notes=request.notes,
             tags=request.tags,
+            max_workers=request.max_workers,
             environment_versions=planned.environment_versions,
             submission_key=idempotency_key,
         )

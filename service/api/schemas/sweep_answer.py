@@ -244,6 +244,7 @@ class SweepAnswer(SweepHead):
                     "tags": ["paper"],
                     "archived": False,
                     "notes": "After the *first* look.",
+                    "max_workers": None,
                     "request": {"name": "weights on Pendulum", "seeds": 16},
                     "entries": [
                         {"label": "ddpg", "algorithm": "ddpg"},
@@ -257,6 +258,7 @@ class SweepAnswer(SweepHead):
     )
 
     notes: str = Field(description="Markdown, shown as text.")
+    max_workers: int | None = Field(description="That may train its runs at once; null: any.")
     request: Mapping[str, Any] = Field(
         description="What was posted, with the seeds and entries that were added since."
     )
@@ -272,6 +274,7 @@ class SweepAnswer(SweepHead):
         return cls(
             **head_of(sweep),
             notes=sweep.notes,
+            max_workers=sweep.max_workers,
             request=sweep.request,
             entries=[
                 EntryAnswer(label=entry.label, algorithm=entry.algorithm, stated=entry.stated)

@@ -15,10 +15,12 @@ from pydantic import (
 
 from algorithms.presets import SMALLEST_WEIGHT
 from service.api.schemas.sweep_edit import (
+    MAX_WORKERS_TEXT,
     NAME_TEXT,
     NOTES_TEXT,
     PRIORITY_TEXT,
     TAGS_TEXT,
+    MaxWorkers,
     Notes,
     Priority,
     Tags,
@@ -159,9 +161,9 @@ class SweepRequest(Request):
                         {"name": "ddpg"},
                         {
                             "name": "hybrid-ddpg",
-                            "weights": [{"w1": 0.1, "w2": 0.1}, {"w1": 0.01, "w2": 0}],
+                            "label": "matched",
+                            "weights": {"w1": [0.1, 0.01], "w2": 0.1},
                         },
-                        {"name": "sac", "label": "soft", "config": {"rate": [0.0003, 0.001]}},
                     ],
                     "environments": ["Pendulum"],
                     "seeds": 16,
@@ -196,3 +198,4 @@ class SweepRequest(Request):
         "A list is a grid.",
     )
     priority: Priority = Field(default=0, description=PRIORITY_TEXT)
+    max_workers: MaxWorkers | None = Field(default=None, description=MAX_WORKERS_TEXT)

@@ -75,8 +75,8 @@ def _leave_out(body: Body, location: list[str | int]) -> None:
         except (KeyError, IndexError, TypeError):  # it is missing, or was taken out
             break
     for holder, part in reversed(fields):
-        if isinstance(holder, list) and holder is body.get("algorithms") and isinstance(part, int):
-            holder[part] = dict(REQUIRED["algorithms"][0])
+        if part != location[0] and holder is body.get("algorithms"):
+            body["algorithms"][part] = dict(REQUIRED["algorithms"][0])
             return
         if isinstance(holder, dict) and (part != "name" or holder is body):
             holder.pop(part, None)

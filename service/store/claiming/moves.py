@@ -1,15 +1,19 @@
 """Moving runs from one status to another, with their events."""
 
+from collections.abc import Mapping
 from typing import Any
 
 from sqlalchemy import ColumnElement, Connection, select, update
 
 from service.model.move import TRANSITIONS, Move
-from service.model.run import RunStatus
+from service.model.run import FINAL, RunStatus
 from service.model.run_name import RunName
 from service.store.column_types import now
 from service.store.reading import events
 from service.store.tables import is_running, runs, sweeps
+
+AGAIN: Mapping[str, Any] = {"finished_at": None, "losses": 0, "not_before": 0.0}
+"""Of a run that had ended and is queued again."""
 
 
 def move(
@@ -37,13 +41,13 @@ def move(
     values: dict[str, Any] = {"status": target, "reason": reason}
     if target.is_final:
         values["finished_at"] = now()
-    if RunStatus.FAILED in transition.sources:
-        values |= {"finished_at": None, "losses": 0, "not_before": 0.0}
-    _update(connection, condition & runs.c.status.in_(transition.sources), values)
+    if transition.sources & FINAL:
+        values |= AGAIN
+    change(connection, condition & runs.c.status.in_(transition.sources), values)
 
 
-def _update(connection: Connection, condition: ColumnElement[bool], values: dict[str, Any]) -> None:
-    """Write the new values, with the events."""
+def change(connection: Connection, condition: ColumnElement[bool], values: dict[str, Any]) -> None:
+    """Write new values of runs, their status and reason among them, with the events."""
     moved = connection.execute(
         update(runs)
         .where(condition)

@@ -11,7 +11,7 @@ from service.model.run import RunStatus
 from service.model.run_name import RunName
 from service.store.column_types import now
 from service.store.reading.rows import noun_of
-from service.store.tables import events, sweeps
+from service.store.tables import events, is_there, sweeps
 from service.store.upkeep.copy_in import copy_in
 
 Change = Mapping[str, Any]
@@ -92,7 +92,7 @@ def last_id(connection: Connection) -> int:
 
 def last_id_of(connection: Connection, sweep_id: str) -> int | None:
     """Return the newest event's id of one sweep; None when there is no such sweep."""
-    number = select(sweeps.c.number).where(sweeps.c.id == sweep_id).scalar_subquery()
+    number = select(sweeps.c.number).where(sweeps.c.id == sweep_id, is_there).scalar_subquery()
     query = select(func.max(events.c.id)).where(events.c.sweep_number == number)
     last: int | None = connection.scalar(query)
     return last

@@ -9,7 +9,7 @@ from service.model.run_name import RunName
 from service.store.reading.rows import noun_of
 from service.store.reading.run_order import AS_MADE, RunOrder, worked_seconds
 from service.store.refusal import NotFoundError
-from service.store.tables import attempts, is_running, runs, sweeps
+from service.store.tables import attempts, is_running, is_there, runs, sweeps
 from workers.messages.run_spec import RunSpec, Weights
 
 
@@ -67,7 +67,9 @@ def history(connection: Connection, run_id: str) -> list[Attempt]:
 
 def count(connection: Connection) -> dict[str, int]:
     """Return how many runs of all sweeps there are by status, every status named."""
+    gone = select(sweeps.c.number).where(sweeps.c.deleted_at.is_not(None))
     query = select(runs.c.status, func.count()).group_by(runs.c.status)
+    query = query.where(runs.c.sweep_number.not_in(gone))
     counts = {status: number for status, number in connection.execute(query)}  # noqa: C416
     return {status.value: counts.get(status.value, 0) for status in RunStatus}
 
@@ -91,7 +93,7 @@ def cancelling(connection: Connection) -> set[str]:
 def named(run_id: str) -> ColumnElement[bool]:
     """Return the condition that picks one run by its name; no run has a malformed name."""
     name = RunName.parse(run_id)
-    return (sweeps.c.id == name.sweep_id) & (runs.c.ordinal == name.ordinal)
+    return (sweeps.c.id == name.sweep_id) & (runs.c.ordinal == name.ordinal) & is_there
 
 
 def _select() -> Select[Any]:

@@ -5,7 +5,7 @@ from typing import Literal
 
 from sqlalchemy import ColumnElement, Connection, delete, exists, func, insert, select
 
-from service.store.tables import sweep_names, sweeps
+from service.store.tables import is_there, sweep_names, sweeps
 
 Kind = Literal["tag", "algorithm", "environment"]
 
@@ -57,7 +57,8 @@ def all_tags(connection: Connection) -> dict[str, int]:
     """Return every tag in use, with the number of sweeps that have it."""
     query = (
         select(sweep_names.c.name, func.count())
-        .where(sweep_names.c.kind == "tag")
+        .join(sweeps, sweeps.c.number == sweep_names.c.sweep_number)
+        .where(sweep_names.c.kind == "tag", is_there)
         .group_by(sweep_names.c.name)
         .order_by(sweep_names.c.name)
     )

@@ -24,7 +24,7 @@ from service.store.reading.rows import noun_of
 from service.store.reading.runs import columns_of
 from service.store.reading.sweep_search import EVERY, SweepSearch
 from service.store.refusal import NotFoundError, SubmissionKeyReusedError
-from service.store.tables import runs, sweeps
+from service.store.tables import is_there, runs, sweeps
 from workers.messages.run_spec import RunSpec
 
 
@@ -38,6 +38,7 @@ def create(
     entries: Sequence[int] | None = None,
     notes: str = "",
     tags: Sequence[str] = (),
+    max_workers: int | None = None,
     environment_versions: Mapping[str, int],
     submission_key: str | None = None,
 ) -> Sweep:
@@ -61,6 +62,7 @@ def create(
         request=request,
         submission_key=submission_key,
         notes=notes,
+        max_workers=max_workers,
     )
     number = connection.execute(heading.returning(sweeps.c.number)).scalar_one()
     connection.execute(
@@ -110,7 +112,7 @@ def _submitted(connection: Connection, key: str, request: Mapping[str, Any]) -> 
 
 def find(connection: Connection, sweep_id: str) -> Sweep | None:
     """Return one sweep, or None."""
-    row = connection.execute(_summaries(sweeps.c.id == sweep_id)).one_or_none()
+    row = connection.execute(_summaries(named(sweep_id))).one_or_none()
     if row is None:
         return None
     return _sweep(row, sweep_names.tags(connection, [row.number]))
@@ -126,11 +128,16 @@ def get(connection: Connection, sweep_id: str) -> Sweep:
 
 def request(connection: Connection, sweep_id: str) -> Mapping[str, Any]:
     """Return what a sweep was posted as. Raises NotFoundError."""
-    posted = connection.scalar(select(sweeps.c.request).where(sweeps.c.id == sweep_id))
+    posted = connection.scalar(select(sweeps.c.request).where(named(sweep_id)))
     if posted is None:
         raise NotFoundError(f"there is no sweep {sweep_id!r}")
     found: Mapping[str, Any] = posted
     return found
+
+
+def named(sweep_id: str) -> ColumnElement[bool]:
+    """Return the condition that picks one sweep by its id; a deleted one is not there."""
+    return (sweeps.c.id == sweep_id) & is_there
 
 
 def version(connection: Connection, sweep_id: str) -> str | None:
@@ -147,7 +154,7 @@ def page(
     search: SweepSearch = EVERY,
 ) -> list[Sweep]:
     """Return sweeps that a search finds, newest first, from the one after that named `after`."""
-    found = select(sweeps.c.number).where(*search.conditions())
+    found = select(sweeps.c.number).where(is_there, *search.conditions())
     found = found.order_by(sweeps.c.number.desc()).limit(limit)
     if after is not None:
         last = select(sweeps.c.number).where(sweeps.c.id == after).scalar_subquery()

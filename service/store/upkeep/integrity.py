@@ -28,7 +28,8 @@ INVARIANTS: Mapping[str, str] = {
         HAVING min(ordinal) <> 0 OR max(ordinal) <> count(*) - 1) AS gaps""",
     "a sweep has runs": """
         SELECT count(*) FROM sweeps
-        WHERE NOT EXISTS (SELECT 1 FROM runs WHERE runs.sweep_number = sweeps.number)""",
+        WHERE deleted_at IS NULL
+        AND NOT EXISTS (SELECT 1 FROM runs WHERE runs.sweep_number = sweeps.number)""",
     "a measurement is a run's, and its diagnostics have names": """
         SELECT count(*) FROM measurements
         WHERE run_number NOT IN (SELECT number FROM runs)

@@ -66,3 +66,11 @@ def test_only_what_is_unneeded_goes_and_nothing_of_it_stays(place: Place) -> Non
     assert sorted(other.names()) == ["1-200.checkpoint", "1.journal", "policy"]
     with pytest.raises(FileNotFoundError):
         folder.read_beginning("1.journal", 3)
+
+
+def test_the_size_of_a_file_is_that_of_all_its_pieces(folder: Folder) -> None:
+    folder.write("policy", b"12345")
+    folder.write("policy-epoch-1", b"123")
+    folder.append("1.journal", 0, b"one")
+    folder.append("1.journal", 3, b"two and")
+    assert [folder.size(name) for name in ("policy", "1.journal", "none")] == [5, 10, 0]
