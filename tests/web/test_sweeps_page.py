@@ -164,3 +164,32 @@ def test_a_sweep_is_named_and_noted(
     expect(signed_in.locator("#tags .tag")).to_have_text(["paper", "pendulum"])
     assert all("422" in complaint for complaint in complaints)
     complaints.clear()
+
+
+def test_sweeps_are_deleted_when_that_is_meant(signed_in: Page, live: LiveService) -> None:
+    for name in ("one", "two"):
+        live.add_sweep(name, seeds=1)
+    live.train(0, 20_000)
+    running = live.add_sweep("running", seeds=1)
+    live.train(0, 800)
+    rows = signed_in.locator("#sweeps tbody tr")
+    expect(rows).to_have_count(3)
+    for name in ("one", "two", "running"):
+        signed_in.get_by_label(f"Select {name}", exact=True).check()
+    delete = signed_in.get_by_role("button", name="Delete", exact=True)
+    delete.click()
+    expect(signed_in.get_by_role("dialog")).to_contain_text("Delete 3 sweeps?")
+    signed_in.keyboard.press("Escape")
+    expect(rows).to_have_count(3)
+    delete.click()
+    signed_in.get_by_role("button", name="Delete the sweeps").click()
+    expect(rows).to_have_count(1)
+    expect(signed_in.locator("#picked-state")).to_contain_text("2 deleted. 1 refused:")
+    expect(signed_in.locator("#picked-count")).to_have_text("1 sweep selected")
+    signed_in.goto(f"{live.url}/sweeps/{running.id}")
+    expect(signed_in.get_by_role("button", name="Delete sweep")).to_be_hidden()
+    live.train(800, 20_000)
+    signed_in.get_by_role("button", name="Delete sweep").click()
+    signed_in.get_by_role("button", name="Delete the sweep").click()
+    signed_in.wait_for_url(f"{live.url}/")
+    expect(signed_in.get_by_role("heading", name="No sweeps yet")).to_be_visible()

@@ -23,10 +23,11 @@ declare namespace Api {
   type Statistics = Schemas["StatisticsAnswer"];
   type Surface = Schemas["SurfaceAnswer"];
   type Sweep = Schemas["SweepAnswer"];
+  type BulkMove = Schemas["BulkRequest"]["move"];
   type Workers = Schemas["WorkersAnswer"];
   type ListedSweep = Schemas["ListedSweepAnswer"];
   /** What a sweep and a row of their list have in common. */
-  type SweepHead = Omit<Sweep, "notes" | "request" | "entries" | "notices">;
+  type SweepHead = Omit<Sweep, "notes" | "request" | "entries" | "notices" | "max_workers">;
   /** What was posted for a sweep. */
   type Request = Partial<Schemas["SweepRequest"]>;
   /** What is asked for of one algorithm. */

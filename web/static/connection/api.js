@@ -93,6 +93,17 @@ export function post(path, body = undefined, headers = {}, signal = undefined) {
 }
 
 /**
+ * Delete a resource for good; throws Refusal.
+ *
+ * @template {string} const P
+ * @param {P & Api.Known<P, "delete">} path
+ * @returns {Promise<Api.Answer<P, "delete">>}
+ */
+export function remove(path) {
+  return send(address(path), { method: "DELETE" });
+}
+
+/**
  * Change some fields of a resource; throws Refusal.
  *
  * @template {string} const P

@@ -71,6 +71,7 @@ async function load(signal) {
   const { items, hasMore } = await listing.fetch(signal);
   listed = items;
   showRows(items);
+  picked.keep(items.map(({ id }) => id));
   at("loading").hidden = true;
   at("controls").hidden = items.length === 0 && !isFiltered();
   at("sweeps").hidden = items.length === 0;

@@ -6,7 +6,7 @@ import { statusCounts, timeElement } from "../parts/status.js";
 import { count, percent } from "../texts/format.js";
 import { isActive, stateText, summary } from "../texts/sweep.js";
 import { Description } from "./description.js";
-import { cancelSweep } from "./moves.js";
+import { cancelSweep, deleteSweep } from "./moves.js";
 import { loadProblems } from "./problems.js";
 
 export class SweepHead {
@@ -36,6 +36,11 @@ export class SweepHead {
     this.#onMissing = onMissing;
     this.#description = new Description(refetch);
     at("cancel").addEventListener("click", () => this.#act((sweep) => cancelSweep(sweep)));
+    at("delete").addEventListener("click", () =>
+      this.#act(async (sweep) => {
+        if (await deleteSweep(sweep)) location.assign("/");
+      }),
+    );
     for (const verb of /** @type {const} */ (["pause", "resume", "retry"])) {
       at(verb).addEventListener("click", () => this.#act(() => post(`/sweeps/${id}/${verb}`)));
     }
@@ -92,6 +97,7 @@ export class SweepHead {
  */
 function showActions(sweep) {
   at("cancel").hidden = !isActive(sweep);
+  at("delete").hidden = isActive(sweep);
   at("pause").hidden = sweep.runs.queued === 0;
   at("resume").hidden = sweep.status !== "paused" && sweep.runs.paused === 0;
   at("retry").hidden = sweep.runs.failed === 0;

@@ -1,9 +1,14 @@
-/** The selected sweeps of the list: compared, or put into the archive and taken out of it. */
-import { patch, refusalOf } from "../connection/api.js";
+/** The selected sweeps of the list: compared, archived, stopped or deleted together. */
+import { refusalOf } from "../connection/api.js";
+import { moveAll } from "../connection/bulk.js";
+import { confirm } from "../parts/confirm.js";
 import { at, setText } from "../parts/element.js";
-import { count, counted } from "../texts/format.js";
+import { counted } from "../texts/format.js";
 
 /** @import { Field, View } from "../parts/view.js" */
+
+/** @type {Api.BulkMove[]} */
+const MOVES = ["archive", "unarchive", "cancel", "delete"];
 
 export class PickedSweeps {
   #view;
@@ -20,9 +25,13 @@ export class PickedSweeps {
       const query = new URLSearchParams(view.get("pick").map((id) => ["sweep", id]));
       location.assign(`/compare?${query}`);
     });
-    at("archive-picked").addEventListener("click", () => this.#archive(true));
-    at("restore-picked").addEventListener("click", () => this.#archive(false));
-    at("unpick").addEventListener("click", () => view.set({ pick: [] }));
+    for (const move of MOVES) {
+      at(`${move}-picked`).addEventListener("click", () => this.#move(move));
+    }
+    at("unpick").addEventListener("click", () => {
+      setText(at("picked-state"), "");
+      view.set({ pick: [] });
+    });
     view.onChange(() => this.update());
     this.update();
   }
@@ -30,8 +39,18 @@ export class PickedSweeps {
   /** Say how many are selected; nothing while none is. */
   update() {
     const { length } = this.#view.get("pick");
-    at("picked").hidden = length === 0;
+    at("picked").hidden = length === 0 && at("picked-state").textContent === "";
     setText(at("picked-count"), `${counted(length, "sweep")} selected`);
+  }
+
+  /**
+   * Let go of sweeps that are not listed any more.
+   *
+   * @param {string[]} ids those that are
+   */
+  keep(ids) {
+    const kept = this.#view.get("pick").filter((id) => ids.includes(id));
+    if (kept.length < this.#view.get("pick").length) this.#view.set({ pick: kept });
   }
 
   /**
@@ -43,16 +62,30 @@ export class PickedSweeps {
     this.#view.set({ pick: isPicked ? [...others, id] : others });
   }
 
-  /** @param {boolean} archived */
-  async #archive(archived) {
+  /** @param {Api.BulkMove} move */
+  async #move(move) {
     const ids = this.#view.get("pick");
+    if (move === "delete" && !(await isMeant(ids.length))) return;
     try {
-      for (const id of ids) await patch(`/sweeps/${id}`, { archived });
-      setText(at("picked-state"), `${count(ids.length)} ${archived ? "archived" : "taken out"}`);
-      this.#view.set({ pick: [] });
+      setText(at("picked-state"), await moveAll(move, ids));
     } catch (error) {
       setText(at("picked-state"), refusalOf(error).message);
     }
     this.#refetch();
   }
+}
+
+/**
+ * @param {number} length
+ * @returns {Promise<boolean>}
+ */
+function isMeant(length) {
+  return confirm({
+    title: `Delete ${counted(length, "sweep")}?`,
+    detail:
+      "What they measured and learned goes with them, for good. Those that have not ended are " +
+      "refused.",
+    yes: length === 1 ? "Delete the sweep" : "Delete the sweeps",
+    no: "Keep them",
+  });
 }
