@@ -41,6 +41,7 @@ from service.api.routes import (
     signin,
     submissions,
     sweeps,
+    workers,
 )
 from service.api.security import Guard
 from service.api.side_process import SideProcess
@@ -64,6 +65,7 @@ RESOURCES = (
     diagnoses,
     events,
     catalogue,
+    workers,
 )
 
 

@@ -45,6 +45,7 @@ from service.store.reading import (
     costs,
     diagnoses,
     events,
+    occupation,
     runs,
     standings,
     sweep_names,
@@ -181,6 +182,8 @@ class Store:
     # ---- the queue
 
     waiting_cells = _reads(claims.waiting_cells)
+    training = _reads(occupation.training)
+    waiting_sweeps = _reads(occupation.waiting)
     count_runs = _reads(runs.count)
     count_attempts = _reads(runs.count_attempts)
     cancelling_runs = _reads(runs.cancelling)

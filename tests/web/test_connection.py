@@ -189,3 +189,15 @@ def test_what_cannot_be_had_is_told_and_not_asked_for_again(
     expect(signed_in.locator("#loading")).to_be_hidden()
     assert all("422" in complaint for complaint in complaints)
     complaints.clear()
+
+
+def test_the_page_of_the_api_has_the_theme_and_a_way_back(
+    signed_in: Page, live: LiveService
+) -> None:
+    signed_in.get_by_label("Theme").select_option("dark")
+    signed_in.get_by_role("link", name="API").first.click()
+    expect(signed_in.get_by_role("heading", name="d3pg").first).to_be_visible()
+    ground = signed_in.evaluate("getComputedStyle(document.body).backgroundColor")
+    assert ground == "rgb(19, 21, 23)"
+    signed_in.get_by_role("link", name="Back to the dashboard").click()
+    expect(signed_in.get_by_role("heading", level=1)).to_have_text("Sweeps")

@@ -39,7 +39,7 @@ def test_a_run_s_curves_grow(signed_in: Page, live: LiveService, sweep: Sweep, s
     expect(rows.first.get_by_role("rowheader")).to_have_text("400")
     assert state(signed_in) == {"x": ["updates"], "table": ["Return"]}
     assert violations(signed_in) == []
-    assert signed_in.get_by_role("link", name=f"sweep {sweep.id}").get_attribute("href") == (
+    assert signed_in.get_by_role("link", name=sweep.name).get_attribute("href") == (
         f"/sweeps/{sweep.id}"
     )
 
@@ -118,3 +118,37 @@ def test_the_catalogue_shows_audits_and_settings(signed_in: Page, live: LiveServ
     card.get_by_text("Presets").click()
     expect(card.get_by_role("region", name="Presets of hybrid-ddpg")).to_contain_text("Pendulum")
     assert violations(signed_in) == []
+
+
+def test_the_score_comes_first_and_the_sweep_has_its_name(
+    signed_in: Page, live: LiveService
+) -> None:
+    learners = (("ddpg", 0.0, 0.0), ("hybrid-ddpg", 0.1, 0.1))
+    sweep = live.add_sweep("morning coffee", learners, environments=("Pendulum",), seeds=3)
+    live.train(0, 4000)
+    signed_in.goto(f"{live.url}/runs/{sweep.id}-4")
+    expect(signed_in.get_by_role("link", name="morning coffee")).to_be_visible()
+    figures = signed_in.locator("#key-figures")
+    expect(figures.locator("dt").first).to_have_text("Score, normalised")
+    expect(figures).to_contain_text("not at its end")
+    expect(figures).to_contain_text("Processor time of training")
+    live.train(4000, 20_000)
+    expect(figures.locator("dd").first).to_contain_text("0.")
+    settings = signed_in.locator("#settings")
+    expect(settings.locator("div").filter(has_text="noise").first).to_contain_text("0.2")
+    signed_in.get_by_label("Seed of this entry").select_option("2, succeeded")
+    signed_in.wait_for_url(f"{live.url}/runs/{sweep.id}-5")
+    expect(signed_in.get_by_role("heading", level=1)).to_contain_text("seed 2")
+
+
+def test_a_run_without_a_measurement_says_what_it_waits_for(
+    signed_in: Page, live: LiveService
+) -> None:
+    sweep = live.add_sweep()
+    signed_in.goto(f"{live.url}/runs/{sweep.id}-0")
+    phase = signed_in.locator("#loading")
+    expect(phase).to_contain_text("Waits for a worker")
+    live.train(0, 400)
+    expect(phase).to_contain_text("Loading or compiling")
+    live.train(400, 1600)
+    expect(phase).to_be_hidden()

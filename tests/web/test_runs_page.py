@@ -125,3 +125,33 @@ def test_ten_thousand_runs(signed_in: Page, live: LiveService) -> None:
     turned = signed_in.evaluate("performance.measure('turn', 'turn').duration")
     print({"ten_thousand_runs_shown_ms": round(shown), "page_turned_ms": round(turned)})  # noqa: T201
     assert turned < 1000
+
+
+def test_heads_sort_by_the_final_score_and_settings_have_columns(
+    signed_in: Page, live: LiveService
+) -> None:
+    learners = (("ddpg", 0.0, 0.0), ("hybrid-ddpg", 0.1, 0.0), ("hybrid-ddpg", 1.0, 0.0))
+    sweep = live.add_sweep(learners=learners, seeds=2)
+    live.train(0, 20_000)
+    signed_in.goto(f"{live.url}/sweeps/{sweep.id}/runs")
+    rows = signed_in.locator(".runs tbody tr")
+    expect(rows).to_have_count(12)
+    expect(signed_in.locator(".runs thead .setting")).to_have_text(["w1"])
+    signed_in.get_by_role("button", name="Score", exact=True).click()
+    assert state(signed_in) == {"sort": ["score"], "descending": ["1"]}
+    head = signed_in.get_by_role("columnheader", name="Score")
+    expect(head).to_have_attribute("aria-sort", "descending")
+
+    def column(place: int) -> list[float]:
+        texts = signed_in.locator(f".runs tbody tr td:nth-child({place})").all_inner_texts()
+        return [float(text.replace("−", "-")) for text in texts]
+
+    expect(rows.first).to_contain_text("hybrid-ddpg")
+    assert column(9) == sorted(column(9), reverse=True)  # over both tasks, on one scale
+    signed_in.get_by_role("button", name="Score", exact=True).click()
+    expect(head).to_have_attribute("aria-sort", "ascending")
+    expect(rows.first.locator("td").nth(3)).to_have_text("ddpg")
+    assert column(9) == sorted(column(9))
+    signed_in.get_by_role("button", name="w1", exact=True).click()
+    expect(rows.last.locator("td").nth(4)).to_have_text("1")
+    assert column(6) == sorted(column(6))

@@ -160,3 +160,49 @@ def test_another_like_it_is_offered_once_it_is_known_what_it_is_like(
     del live.trouble.failing[path]
     expect(again).to_have_attribute("href", re.compile("new="))
     complaints.clear()
+
+
+def test_several_entries_of_an_algorithm_lists_and_labels_come_back(
+    signed_in: Page, live: LiveService
+) -> None:
+    """What was submitted is what "another like it" shows, and what that submits."""
+    body = {
+        "name": "grid",
+        "algorithms": [
+            {"name": "ddpg"},
+            {"name": "ddpg", "label": "loud", "config": {"noise": [0.3, 0.5]}},
+            {"name": "hybrid-ddpg", "weights": {"w1": [0.1, 1.0], "w2": 0.0}},
+        ],
+        "environments": ["Pendulum"],
+        "seeds": 2,
+        "timesteps": 1600,
+    }
+    headers = {"Content-Type": "application/json"}
+    posted = signed_in.request.post(f"{live.url}/api/v1/sweeps", data=body, headers=headers).json()
+    signed_in.goto(f"{live.url}/sweeps/{posted['id']}")
+    signed_in.get_by_role("link", name="Submit another like it").click()
+    estimate = signed_in.locator("#estimate")
+    expect(estimate).to_contain_text("5 × 1 × 2 seeds = 10 runs, 16,000 timesteps")
+    expect(signed_in.locator("#label-ddpg-2")).to_have_value("loud")
+    expect(signed_in.locator("#setting-ddpg-2-noise")).to_have_value("0.3, 0.5")
+    expect(signed_in.locator("#weights-hybrid-ddpg")).to_have_value("[0.1, 1], 0")
+    assert violations(signed_in) == []
+    signed_in.get_by_role("button", name="Submit", exact=True).click()
+    signed_in.wait_for_url(re.compile("/sweeps/(?!" + posted["id"] + ")"))
+    again, first = live.store.list_sweeps()
+    assert again.request == first.request
+
+
+def test_an_entry_is_added_and_removed(signed_in: Page, live: LiveService) -> None:
+    signed_in.get_by_role("button", name="New sweep").click()
+    signed_in.locator("[name=algorithm][value=ddpg]").first.check()
+    signed_in.locator("[name=environment][value=Pendulum]").check()
+    signed_in.get_by_role("button", name="Another entry of ddpg").click()
+    settings = signed_in.locator(".option", has=signed_in.locator("#setting-ddpg-2-noise"))
+    settings.get_by_text("Settings", exact=True).click()
+    noise = signed_in.locator("#setting-ddpg-2-noise")
+    expect(noise).to_have_attribute("placeholder", "0.6")  # what Pendulum's preset runs
+    noise.fill("0.3, 0.4")
+    expect(signed_in.locator("#estimate")).to_contain_text("3 × 1 × 4 seeds = 12 runs")
+    signed_in.get_by_role("button", name="Remove this entry of ddpg").click()
+    expect(signed_in.locator("#estimate")).to_contain_text("1 × 1 × 4 seeds = 4 runs")

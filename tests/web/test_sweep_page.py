@@ -11,6 +11,7 @@ from playwright.sync_api import Locator, Page, expect
 
 from service.model.sweep import Sweep
 from tests.web.live_service import LiveService
+from tests.web.test_accessibility import violations
 
 pytestmark = pytest.mark.browser
 
@@ -601,3 +602,55 @@ def test_a_figure_that_cannot_be_drawn_says_why(opened: Page, complaints: list[s
     expect(opened.locator("#figure-state")).to_contain_text("width", timeout=60_000)
     assert all("422" in complaint for complaint in complaints)
     complaints.clear()
+
+
+def test_many_pairs_are_a_matrix_with_a_reference(crowded: Page, live: LiveService) -> None:
+    live.train(9600, 20_000)
+    crowded.get_by_text("Statistics: interquartile means").click()
+    improvement = crowded.get_by_role("region", name="Probability of improvement")
+    matrix = improvement.locator("table.matrix")
+    expect(matrix.locator("tbody tr")).to_have_count(5)
+    expect(matrix.locator("tbody tr").first.locator("td").first).to_have_text("–")
+    sentences = improvement.locator("table.intervals tr")
+    expect(sentences).to_have_count(4)
+    expect(sentences.first).to_contain_text("> ddpg)")
+    differences = crowded.get_by_role("region", name="Paired differences in area")
+    expect(differences.locator("tbody tr")).to_have_count(4)
+    expect(differences.locator("thead th")).to_have_text(["MassPoint", "Pendulum"])
+    expect(differences.locator("tbody td strong").first).to_contain_text("+0.")
+
+    above = matrix.locator("tbody tr").nth(1).locator("td").first
+    below = matrix.locator("tbody tr").first.locator("td").nth(1)
+    assert float(above.inner_text()) == pytest.approx(1 - float(below.inner_text()), abs=0.011)
+    crowded.get_by_label("compared with").focus()
+    crowded.get_by_label("compared with").select_option("hybrid-ddpg w1=1")
+    expect(sentences.first).to_contain_text("> hybrid-ddpg w1=1)")
+    expect(differences.locator("tbody th").first).to_have_text("ddpg")
+    expect(differences.locator("tbody td strong").first).to_contain_text("−0.")
+    assert state(crowded) == {"statistics": ["1"], "reference": ["hybrid-ddpg w1=1"]}
+    expect(crowded.get_by_label("compared with")).to_be_focused()
+    assert violations(crowded) == []
+
+
+def test_settings_are_drawn_against_the_score(crowded: Page, live: LiveService) -> None:
+    live.train(9600, 20_000)
+    maps = crowded.locator("#settings-maps")
+    expect(maps.locator("circle")).to_have_count(5)
+    expect(maps.get_by_role("img", name="Score by w1")).to_be_visible()
+    maps.get_by_label("Task").select_option("Pendulum")
+    expect(maps.locator("circle title").first).to_contain_text("ddpg: 0.")
+    assert state(crowded) == {"map_task": ["Pendulum"]}
+    assert violations(crowded) == []
+
+
+def test_two_settings_are_a_heat_map(signed_in: Page, live: LiveService) -> None:
+    grid = tuple(("hybrid-ddpg", w1, w2) for w1 in (0.1, 1.0) for w2 in (0.0, 0.01, 0.1))
+    sweep = live.add_sweep(learners=grid, seeds=2, environments=("Pendulum",))
+    live.train(0, 20_000)
+    signed_in.goto(f"{live.url}/sweeps/{sweep.id}?map=heat")
+    rows = signed_in.locator("#map tbody tr")
+    expect(rows).to_have_count(3)
+    expect(rows.get_by_role("rowheader")).to_have_text(["0.1", "0.01", "0"])
+    expect(rows.first.locator("td")).to_have_text([re.compile(r"0\.\d+")] * 2)
+    signed_in.get_by_label("Drawn as").select_option("parallel")
+    expect(signed_in.locator("#map polyline")).to_have_count(6)

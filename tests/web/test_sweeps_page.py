@@ -4,6 +4,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from tests.web.live_service import LiveService
+from tests.web.test_accessibility import violations
 
 pytestmark = pytest.mark.browser
 
@@ -87,3 +88,108 @@ def test_older_sweeps_come_on_demand_and_stay_live(signed_in: Page, live: LiveSe
     expect(signed_in.get_by_role("button", name="Show older sweeps")).to_be_hidden()
     live.train(0, 800)
     expect(rows.last).to_contain_text("4 running")
+
+
+def test_sweeps_are_found_by_words_tags_learners_and_tasks(
+    signed_in: Page, live: LiveService
+) -> None:
+    first = live.add_sweep("morning coffee", environments=("MassPoint",))
+    live.add_sweep("evening tea", learners=(("sac", 0.0, 0.0),), environments=("Pendulum",))
+    live.store.edit_sweep(first.id, {"tags": ("paper",), "notes": "with *milk*"})
+    rows = signed_in.locator("#sweeps tbody tr")
+    expect(rows).to_have_count(2)
+    expect(rows.last).to_contain_text("ddpg, hybrid-ddpg in MassPoint")
+    expect(rows.last.locator(".tag")).to_have_text("paper")
+    for label, text in (
+        ("Find sweeps", "milk"),
+        ("Tag", "paper"),
+        ("Algorithm", "hybrid-ddpg"),
+        ("Task", "MassPoint"),
+    ):
+        signed_in.get_by_label(label, exact=True).fill(text)
+        expect(rows).to_have_count(1)
+        expect(rows).to_contain_text("morning coffee")
+        signed_in.get_by_role("button", name="Reset view").click()
+        expect(rows).to_have_count(2)
+    signed_in.get_by_label("Find sweeps").fill("nothing like it")
+    expect(signed_in.get_by_text("No sweep is like that.")).to_be_visible()
+    expect(signed_in.get_by_role("heading", name="No sweeps yet")).to_be_hidden()
+
+
+def test_the_best_curve_of_a_sweep_is_shown(signed_in: Page, live: LiveService) -> None:
+    live.add_sweep("finished", environments=("Pendulum",))
+    live.train(0, 20_000)
+    best = signed_in.locator(".best-cell")
+    expect(best).to_contain_text("hybrid-ddpg in Pendulum")
+    expect(best.locator("polyline")).to_have_count(1)
+
+
+def test_selected_sweeps_are_archived_and_compared(signed_in: Page, live: LiveService) -> None:
+    sweeps = [live.add_sweep(name) for name in ("one", "two", "three")]
+    rows = signed_in.locator("#sweeps tbody tr")
+    for name in ("one", "two"):
+        signed_in.get_by_label(f"Select {name}", exact=True).check()
+    expect(signed_in.locator("#picked-count")).to_have_text("2 sweeps selected")
+    signed_in.get_by_role("button", name="Archive", exact=True).click()
+    expect(rows).to_have_count(1)
+    signed_in.get_by_label("Archived sweeps").select_option("true")
+    expect(rows).to_have_count(2)
+    expect(rows.first.locator(".tag")).to_have_text("archived")
+    for name in ("one", "two"):
+        signed_in.get_by_label(f"Select {name}", exact=True).check()
+    signed_in.get_by_role("button", name="Compare", exact=True).click()
+    signed_in.wait_for_url(f"{live.url}/compare?sweep={sweeps[0].id}&sweep={sweeps[1].id}")
+
+
+def test_a_sweep_is_named_and_noted(
+    signed_in: Page, live: LiveService, complaints: list[str]
+) -> None:
+    sweep = live.add_sweep("morning coffee")
+    signed_in.goto(f"{live.url}/sweeps/{sweep.id}")
+    signed_in.get_by_role("button", name="Name and notes").click()
+    form = signed_in.get_by_role("form", name="Name and notes")
+    expect(form.get_by_label("Name", exact=True)).to_be_focused()
+    form.get_by_label("Name", exact=True).fill("evening tea")
+    form.get_by_label("Tags").fill("paper, pendulum")
+    form.get_by_label("Notes").fill("with *milk* <b>and</b>\nsugar")
+    form.get_by_label("Priority").fill("5000")
+    form.get_by_role("button", name="Save").click()
+    expect(form.locator("[data-fault=priority] .fault")).to_contain_text("1000")
+    assert violations(signed_in) == []
+    form.get_by_label("Priority").fill("5")
+    form.get_by_role("button", name="Save").click()
+    expect(form).to_be_hidden()
+    expect(signed_in.get_by_role("heading", level=1)).to_have_text("evening tea")
+    expect(signed_in.locator("#notes")).to_have_text("with *milk* <b>and</b>\nsugar")
+    expect(signed_in.locator("#tags .tag")).to_have_text(["paper", "pendulum"])
+    assert all("422" in complaint for complaint in complaints)
+    complaints.clear()
+
+
+def test_sweeps_are_deleted_when_that_is_meant(signed_in: Page, live: LiveService) -> None:
+    for name in ("one", "two"):
+        live.add_sweep(name, seeds=1)
+    live.train(0, 20_000)
+    running = live.add_sweep("running", seeds=1)
+    live.train(0, 800)
+    rows = signed_in.locator("#sweeps tbody tr")
+    expect(rows).to_have_count(3)
+    for name in ("one", "two", "running"):
+        signed_in.get_by_label(f"Select {name}", exact=True).check()
+    delete = signed_in.get_by_role("button", name="Delete", exact=True)
+    delete.click()
+    expect(signed_in.get_by_role("dialog")).to_contain_text("Delete 3 sweeps?")
+    signed_in.keyboard.press("Escape")
+    expect(rows).to_have_count(3)
+    delete.click()
+    signed_in.get_by_role("button", name="Delete the sweeps").click()
+    expect(rows).to_have_count(1)
+    expect(signed_in.locator("#picked-state")).to_contain_text("2 deleted. 1 refused:")
+    expect(signed_in.locator("#picked-count")).to_have_text("1 sweep selected")
+    signed_in.goto(f"{live.url}/sweeps/{running.id}")
+    expect(signed_in.get_by_role("button", name="Delete sweep")).to_be_hidden()
+    live.train(800, 20_000)
+    signed_in.get_by_role("button", name="Delete sweep").click()
+    signed_in.get_by_role("button", name="Delete the sweep").click()
+    signed_in.wait_for_url(f"{live.url}/")
+    expect(signed_in.get_by_role("heading", name="No sweeps yet")).to_be_visible()

@@ -25,9 +25,11 @@ declare namespace Api {
   type Statistics = Schemas["StatisticsAnswer"];
   type Surface = Schemas["SurfaceAnswer"];
   type Sweep = Schemas["SweepAnswer"];
+  type BulkMove = Schemas["BulkRequest"]["move"];
+  type Workers = Schemas["WorkersAnswer"];
   type ListedSweep = Schemas["ListedSweepAnswer"];
   /** What a sweep and a row of their list have in common. */
-  type SweepHead = Omit<Sweep, "notes" | "request" | "entries" | "notices">;
+  type SweepHead = Omit<Sweep, "notes" | "request" | "entries" | "notices" | "max_workers">;
   /** What was posted for a sweep. */
   type Request = Partial<Schemas["SweepRequest"]>;
   /** What is asked for of one algorithm. */
@@ -35,6 +37,8 @@ declare namespace Api {
   type Verdict = Schemas["VerdictAnswer"];
   type Comparison = Schemas["ComparisonAnswer"];
   type Weights = Schemas["Weights"];
+
+  type Verb = "get" | "post" | "patch" | "delete";
 
   /** The segments of an address or of a path's template. */
   type Segments<T extends string> = T extends `${infer First}/${infer Rest}`
@@ -53,7 +57,7 @@ declare namespace Api {
       : false;
 
   /** The template that an address is of; those of all, for a union of addresses. */
-  type TemplateOf<Address extends string, Method extends "get" | "post"> = Address extends string
+  type TemplateOf<Address extends string, Method extends Verb> = Address extends string
     ? {
         [T in keyof Paths]: Paths[T][Method] extends object
           ? Fits<Segments<`/api/v1${Address}`>, Segments<T>> extends true
@@ -64,19 +68,19 @@ declare namespace Api {
     : never;
 
   /** `unknown` for an address that the service has, else what is wrong with it. */
-  type Known<Address extends string, Method extends "get" | "post"> = [
+  type Known<Address extends string, Method extends Verb> = [
     TemplateOf<Address, Method>,
   ] extends [never]
     ? { "The service has no such address.": never }
     : unknown;
 
-  type Operation<Address extends string, Method extends "get" | "post"> = Paths[TemplateOf<
+  type Operation<Address extends string, Method extends Verb> = Paths[TemplateOf<
     Address,
     Method
   >][Method];
 
   /** The JSON that an address answers. */
-  type Answer<Address extends string, Method extends "get" | "post"> =
+  type Answer<Address extends string, Method extends Verb> =
     Operation<Address, Method> extends { responses: infer Responses }
       ? {
           [Status in keyof Responses & (200 | 202)]: Responses[Status] extends {

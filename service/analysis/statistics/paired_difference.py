@@ -49,8 +49,12 @@ def paired_differences(
     entries: Entries,
     random_returns: Mapping[tuple[str, int], RandomReturn],
     best_return: Callable[[str], float],
+    reference: str | None = None,
 ) -> list[PairedDifference]:
-    """Return the differences of a sweep's runs of return_mean over timesteps."""
+    """Return the differences of a sweep's runs of return_mean over timesteps.
+
+    With a `reference`, the label of an entry, every other entry is compared with that one.
+    """
     cells = grouped(run_curves, lambda run: (run.spec.environment, entries.label(run)))
     found = []
     for (environment, label), runs in cells.items():
@@ -58,7 +62,12 @@ def paired_differences(
         _, unit = scale(zero, best_return(environment))
         extended = catalogue.baseline(runs[0].spec.algorithm)
         for (other_environment, baseline), its_runs in cells.items():
-            if (other_environment, its_runs[0].spec.algorithm) == (environment, extended):
+            is_meant = (
+                its_runs[0].spec.algorithm == extended
+                if reference is None
+                else baseline == reference != label
+            )
+            if other_environment == environment and is_meant:
                 gained = _differences(runs, its_runs) / unit
                 counted = gained[np.isfinite(gained)]
                 wins = int((counted > 0).sum())

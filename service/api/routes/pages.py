@@ -69,6 +69,12 @@ def run_page(request: Request, run_id: str) -> HTMLResponse:
     return page(request, "run", run_id=run_id)
 
 
+@router.get("/workers")
+def workers_page(request: Request) -> HTMLResponse:
+    """Answer who trains what, and what waits."""
+    return page(request, "workers")
+
+
 @router.get("/compare")
 def compare_page(request: Request) -> HTMLResponse:
     """Answer the comparison of the sweeps or runs that the address names."""

@@ -1,5 +1,6 @@
 """Runs: those of a sweep, one of them, its attempts, cancelling it."""
 
+import math
 from typing import Annotated
 
 import numpy as np
@@ -8,13 +9,16 @@ from fastapi import APIRouter, Query, Request, Response
 from pydantic import Field
 
 from service.api.context import TheCheckpoints, TheLabel, TheRun, TheStore, TheSweep
-from service.api.schemas.number import numbers
+from service.api.schemas.number import finite_or_none, numbers
 from service.api.schemas.page import Page, PageQuery, page_of, read_cursor
 from service.api.schemas.run_answer import AttemptAnswer, ListedRunAnswer, RunAnswer
 from service.api.schemas.texts import Name
 from service.model.entry import Entries
+from service.model.environment import best_return
 from service.model.run import RunStatus
-from service.store.reading.run_order import By, RunOrder
+from service.model.sweep import Sweep
+from service.store.reading.run_order import By, RunOrder, Scales
+from service.store.store import Store
 from workers.checkpoints.checkpoint_folder import has_policy
 
 router = APIRouter(tags=["runs"])
@@ -43,23 +47,37 @@ def list_runs(
     store: TheStore,
 ) -> Page[ListedRunAnswer]:
     """List the runs of a sweep, in the order they were made or by a value."""
+    scales = _scales(sweep, store)
     runs = store.list_runs(
         sweep.id,
         status=query.status,
         algorithm=query.algorithm,
         environment=query.environment,
-        order=RunOrder(query.sort, query.descending),
+        order=RunOrder(query.sort, query.descending, scales),
         after=read_cursor(query.after),
         limit=query.limit + 1,
     )
     label = Entries(sweep.request).label
     answers = [ListedRunAnswer.of(run, label(run)) for run in runs]
     page = page_of(answers, query.limit, request, response)
+    for run, answer in zip(runs, page.items, strict=False):
+        start, unit = scales.get(answer.environment, (math.nan, 1.0))
+        answer.score = finite_or_none((run.score - start) / unit)
     if query.sparkline:
         outlines = store.return_outlines([run.id for run in page.items], query.sparkline)
-        for run in page.items:
-            run.sparkline = numbers(np.array(outlines.get(run.id, [])))
+        for answer in page.items:
+            answer.sparkline = numbers(np.array(outlines.get(answer.id, [])))
     return page
+
+
+def _scales(sweep: Sweep, store: Store) -> Scales:
+    """Return the normalised scale of each of a sweep's environments that has one."""
+    newest = {name: zero for (name, _), zero in sorted(store.random_returns().items())}
+    return {
+        name: (newest[name].mean, best_return(name) - newest[name].mean)
+        for name in sweep.request["environments"]
+        if name in newest
+    }
 
 
 @router.get("/runs/{run_id}")

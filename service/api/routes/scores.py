@@ -15,12 +15,14 @@ from service.analysis.statistics.score_table_text import latex, markdown
 from service.analysis.statistics.scores import CellScores, sweep_scores
 from service.analysis.statistics.sweep_statistics import sweep_statistics
 from service.api.context import TheStore, TheSweep
+from service.api.nearest import unknown_name
 from service.api.negotiation import asked_form
 from service.api.problems import Fault, InvalidRequest, NotFound
 from service.api.revalidation import RevalidatedRoute
 from service.api.schemas.question.verdict_answer import VerdictAnswer
 from service.api.schemas.score_table_answer import ScoreTableAnswer, score_table_csv
 from service.api.schemas.statistics_answer import StatisticsAnswer
+from service.api.schemas.texts import Text
 from service.model.entry import Entries
 from service.model.environment import best_return
 from service.model.question import Question
@@ -62,6 +64,16 @@ class ScoreQuery(BaseModel):
     )
 
 
+class StatisticsQuery(ScoreQuery):
+    """Which score, and what the differences are from."""
+
+    reference: Text | None = Field(
+        default=None,
+        description="The label of the entry that paired differences are from. Left out: of each "
+        "entry those of the algorithm that its own extends.",
+    )
+
+
 class TableQuery(ScoreQuery):
     """Which score, and in which form."""
 
@@ -94,16 +106,19 @@ def get_table(
 
 @router.get("/statistics")
 def get_statistics(
-    sweep: TheSweep, query: Annotated[ScoreQuery, Query()], store: TheStore
+    sweep: TheSweep, query: Annotated[StatisticsQuery, Query()], store: TheStore
 ) -> StatisticsAnswer:
     """Answer what the sweep says of its entries over all tasks, with intervals."""
+    entries = Entries(sweep.request)
+    _refuse_unknown(query.reference, [entry.label for entry in entries.all])
     cells = _scores(store, sweep, query.score, normalized=True)
     _refuse_too_many(cells)
     differences = paired_differences(
         store.curve_points(sweep.id, "return_mean"),
-        Entries(sweep.request),
+        entries,
         store.random_returns(),
         best_return,
+        query.reference,
     )
     return StatisticsAnswer.of(sweep.id, query.score, sweep_statistics(cells), differences)
 
@@ -127,6 +142,11 @@ def _scores(store: Store, sweep: Sweep, score: Score, *, normalized: bool) -> li
         best_return,
         normalized=normalized,
     )
+
+
+def _refuse_unknown(reference: str | None, labels: Sequence[str]) -> None:
+    if reference is not None and reference not in labels:
+        raise InvalidRequest([unknown_name("reference", reference, labels)])
 
 
 def _refuse_too_many(cells: Sequence[CellScores]) -> None:

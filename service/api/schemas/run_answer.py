@@ -135,6 +135,11 @@ class RunAnswer(BaseModel):
 class ListedRunAnswer(RunAnswer):
     """A run of a list."""
 
+    score: float | None = Field(
+        default=None,
+        description="Final score, normalised: 0 acts at random, 1 is the best. null unless the run "
+        "succeeded and the random return is known.",
+    )
     sparkline: Numbers | None = Field(
         default=None, description="return_mean so far, thinned; the last one is the latest."
     )

@@ -39,7 +39,8 @@ PROFILE_TEXT = (
 )
 DIFFERENCE_TEXT = (
     "Paired difference: area under the normalised curve of return_mean over timesteps (its mean "
-    "along the run, by trapezoids), an algorithm's minus that of the one it extends, over the n "
+    "along the run, by trapezoids), an entry's minus that of its baseline (the reference that was "
+    "asked for, else one of the algorithm that its own extends), over the n "
     "pairs of runs of equal seed that both reached their end, each up to the last timestep that "
     "both have measured. Interval: 95 % of the mean (Student's t). wins: pairs with a difference "
     "above 0."

@@ -104,6 +104,30 @@ export function getPicture(path, parameters = {}) {
 }
 
 /**
+ * Delete a resource for good; throws Refusal.
+ *
+ * @template {string} const P
+ * @param {P & Api.Known<P, "delete">} path
+ * @returns {Promise<Api.Answer<P, "delete">>}
+ */
+export function remove(path) {
+  return send(address(path), { method: "DELETE" });
+}
+
+/**
+ * Change some fields of a resource; throws Refusal.
+ *
+ * @template {string} const P
+ * @param {P & Api.Known<P, "patch">} path
+ * @param {object} changes
+ * @returns {Promise<Api.Answer<P, "patch">>}
+ */
+export function patch(path, changes) {
+  const headers = { "Content-Type": "application/json" };
+  return send(address(path), { method: "PATCH", headers, body: JSON.stringify(changes) });
+}
+
+/**
  * @param {string} url
  * @param {RequestInit} options
  * @param {(response: Response) => Promise<any>} [read] its body; JSON, whose form the service's

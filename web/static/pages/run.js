@@ -11,6 +11,13 @@ import { statusMark, timeElement } from "../parts/status.js";
 import { CURVE_FIELDS, oneOf, View, whole } from "../parts/view.js";
 import { attemptList } from "../run/attempts.js";
 import { RunCharts } from "../run/charts.js";
+import {
+  contextOf,
+  phaseText,
+  showKeyFigures,
+  showSettings,
+  showSurroundings,
+} from "../run/context.js";
 import { cancelRun, retryRun } from "../run/moves.js";
 import { Viewer } from "../run/viewer.js";
 import { count, percent } from "../texts/format.js";
@@ -43,6 +50,10 @@ const refreshDiagnosis = new Refresh((signal) => diagnosis.load(signal), {
 let run = null;
 /** @type {Columns | null} */
 let columns = null;
+/** @type {string | null} */
+let seenEnd = null;
+/** @type {import("../run/context.js").Context | null} */
+let context = null; // of the run as it was opened; again when it ends
 
 const stream = follow(id.split("-")[0], (kind, payload) => {
   if (payload?.run_id !== undefined && payload.run_id !== id) return;
@@ -52,6 +63,10 @@ const stream = follow(id.split("-")[0], (kind, payload) => {
   refreshCurves.request();
 });
 
+at("seeds").addEventListener("change", (event) => {
+  const { value } = /** @type {HTMLSelectElement} */ (event.target);
+  location.assign(`/runs/${value}${location.search}`);
+});
 view.onChange(draw);
 document.addEventListener("themechange", draw);
 at("cancel").addEventListener("click", () => act(cancelRun));
@@ -69,6 +84,7 @@ async function loadRun(signal) {
     return;
   }
   showRun(run);
+  context ??= await contextOf(run, signal);
   draw();
   const attempts = await get(`/runs/${id}/attempts`, {}, signal);
   showAttempts(attempts);
@@ -85,23 +101,30 @@ async function loadCurves(signal) {
     refusalOf(error, 404); // which is told where the run is loaded
     return;
   }
-  at("loading").hidden = true;
   draw();
   connection.fresh();
 }
 
 function draw() {
-  if (run !== null && columns !== null) charts.update(run, columns);
+  if (run === null || columns === null || context === null) return;
+  charts.update(run, columns, context);
+  showSurroundings(run, context);
+  showKeyFigures(run, context, columns);
+  showSettings(run, context);
+  const isEmpty = (columns.timestep ?? []).length === 0;
+  at("loading").hidden = !isEmpty;
+  setText(at("loading"), isEmpty ? phaseText(run) : "");
 }
 
 /** @param {Api.Run} run */
 function showRun(run) {
+  if (context?.sweep && run.finished_at !== seenEnd) context = null;
+  seenEnd = run.finished_at;
   const title = `${run.label} in ${run.environment}, seed ${run.seed}`;
   const done = run.timestep / run.timesteps;
   document.title = `${percent(done)} · ${title} · d3pg`;
   setText(at("name"), title);
   at("sweep-link", HTMLAnchorElement).href = `/sweeps/${run.sweep_id}`;
-  setText(at("sweep-link"), `sweep ${run.sweep_id}`);
   at("runs-link", HTMLAnchorElement).href = `/sweeps/${run.sweep_id}/runs`;
   at("progress", HTMLProgressElement).value = done;
   setText(at("percent"), percent(done));

@@ -5,6 +5,7 @@ import { Refresh } from "../connection/refresh.js";
 import * as connection from "../connection/state.js";
 import { Controls } from "../parts/controls.js";
 import { at, element, field, setText, within } from "../parts/element.js";
+import { varied } from "../parts/identity.js";
 import { flag, list, oneOf, text, View } from "../parts/view.js";
 import { RunList } from "../run/list.js";
 import { Picked } from "../run/picked.js";
@@ -17,15 +18,30 @@ const id = at("sweep").dataset.sweep ?? "";
 const pickAll = at("pick-all", HTMLInputElement);
 const form = at("controls", HTMLFormElement);
 
+const SORTS = /** @type {const} */ ([
+  "made",
+  "entry",
+  "seed",
+  "w1",
+  "w2",
+  "score",
+  "return_mean",
+  "timestep",
+  "seconds",
+]);
+/** @type {Set<string>} */
+const LARGEST_FIRST = new Set(["score", "return_mean", "timestep", "seconds"]);
+
 const view = new View({
   status: oneOf("all", "running", "queued", "paused", "succeeded", "failed", "diverged", "cancelled"),
   algorithm: text,
   environment: text,
-  sort: oneOf("made", "return_mean", "timestep", "seconds"),
+  sort: oneOf(...SORTS),
   descending: flag,
   after: list, // the cursors of the pages before this one
   pick: list, // ids of the selected runs
 });
+const SORTABLE = new Set(["w1", "w2"]); // of the settings that have a column
 const ASKED = ["status", "algorithm", "environment", "sort", "descending"];
 
 const controls = new Controls(form, view);
@@ -73,7 +89,7 @@ async function loadSweep(signal) {
   const { algorithms, environments } = head.sweep.request;
   offer("algorithm", algorithms?.map(({ name }) => name) ?? []);
   offer("environment", environments ?? []);
-  showRange();
+  showRuns();
 }
 
 /** @param {AbortSignal} signal */
@@ -100,7 +116,9 @@ async function loadRuns(signal) {
 }
 
 function showRuns() {
-  runs.show(listed);
+  const entries = head.sweep?.entries ?? [];
+  showHeads(varied(entries));
+  runs.show(listed, entries);
   picked.update();
   const pickedHere = listed.filter((run) => view.get("pick").includes(run.id)).length;
   pickAll.checked = pickedHere > 0 && pickedHere === listed.length;
@@ -130,6 +148,44 @@ function totalOf(sweep) {
   if (sweep === null || view.get("algorithm") || view.get("environment")) return "";
   const status = view.get("status");
   return count(sweep.runs[status === "all" ? "total" : status]);
+}
+
+/**
+ * A column for each setting in which entries differ; heads that can be sorted by are buttons.
+ *
+ * @param {string[]} names
+ */
+function showHeads(names) {
+  const row = within(document, ".runs thead tr");
+  for (const head of row.querySelectorAll(".setting")) {
+    if (!names.includes(head.textContent ?? "")) head.remove();
+  }
+  const shown = [...row.querySelectorAll(".setting")].map((head) => head.textContent);
+  const added = names.filter((name) => !shown.includes(name));
+  const last = [...row.querySelectorAll(".setting")].at(-1) ?? at("learner-head");
+  last.after(
+    ...added.map((name) => {
+      const sort = SORTABLE.has(name) ? name : null;
+      return element("th", { "scope": "col", "class": "number setting", "data-sort": sort }, name);
+    }),
+  );
+  for (const head of row.querySelectorAll("[data-sort]")) showHead(head);
+}
+
+/** @param {Element} head */
+function showHead(head) {
+  const sort = SORTS.find((each) => each === head.getAttribute("data-sort")) ?? "made";
+  if (head.querySelector("button") === null) {
+    const button = element("button", { type: "button", class: "sorter" }, head.textContent);
+    button.addEventListener("click", () => {
+      const isChosen = view.get("sort") === sort;
+      view.set({ sort, descending: isChosen ? !view.get("descending") : LARGEST_FIRST.has(sort) });
+    });
+    head.replaceChildren(button);
+  }
+  const order = view.get("descending") ? "descending" : "ascending";
+  if (view.get("sort") === sort) head.setAttribute("aria-sort", order);
+  else head.removeAttribute("aria-sort");
 }
 
 /** @param {string[]} after */

@@ -16,6 +16,7 @@ import { FIGURE_FIELDS } from "../sweep/figure_query.js";
 import { SweepHead } from "../sweep/head.js";
 import { PaperFigures } from "../sweep/paper_figures.js";
 import { ScoreTable } from "../sweep/scores.js";
+import { MAP_FIELDS, SettingsMaps } from "../sweep/settings_maps.js";
 import { Statistics } from "../sweep/statistics.js";
 import { Verdict } from "../sweep/verdict.js";
 
@@ -24,10 +25,12 @@ const id = at("sweep").dataset.sweep ?? "";
 const view = new View({
   ...COMPARISON_FIELDS,
   ...FIGURE_FIELDS,
+  ...MAP_FIELDS,
   score: oneOf("final", "return_history", "area"),
   sort: text, // the environment by which the score table is sorted
   figures: flag, // whether the paper's are open
   statistics: flag, // whether they are open
+  reference: text, // the label that pairs are compared with there
 });
 new Controls(at("controls", HTMLFormElement), view);
 new Controls(at("score-controls", HTMLFormElement), view);
@@ -51,7 +54,14 @@ const refreshStatistics = new Refresh((signal) => statistics.load(signal), {
 const head = new SweepHead(id, "", () => refreshSweep.hurry(), hideAll);
 const figures = new PaperFigures(view);
 const entries = () => head.sweep?.entries ?? [];
-const scores = new ScoreTable(id, view, entries, () => refreshScores.hurry());
+const maps = new SettingsMaps(view, entries);
+const scores = new ScoreTable(
+  id,
+  view,
+  entries,
+  () => refreshScores.hurry(),
+  (answer) => maps.show(answer),
+);
 const statistics = new Statistics(id, view, entries, () => refreshStatistics.hurry());
 const verdict = new Verdict(id, entries);
 const refreshVerdict = new Refresh((signal) => verdict.load(signal), { interval: 5000, onError });
@@ -165,5 +175,5 @@ async function copyLink() {
 function hideAll() {
   stream.close();
   at("curves").hidden = at("scores").hidden = at("statistics").hidden = true;
-  at("verdict").hidden = at("diagnosis").hidden = true;
+  at("verdict").hidden = at("diagnosis").hidden = at("settings-maps").hidden = true;
 }

@@ -16,7 +16,8 @@ import { abscissa, chartsOf } from "./diagnostics.js";
  * @import { ChartOf, Columns } from "./diagnostics.js"
  *
  * @typedef {typeof CURVE_FIELDS} Fields
- * @typedef {{ chart: ChartOf, run: Api.Run, columns: Columns, view: View<Fields> }} Shown
+ * @typedef {Pick<import("./context.js").Context, "random" | "best">} Marks
+ * @typedef {{ chart: ChartOf, run: Api.Run, columns: Columns, view: View<Fields>, marks: Marks }} Shown
  */
 
 export class RunCharts {
@@ -39,11 +40,15 @@ export class RunCharts {
   /**
    * @param {Api.Run} run
    * @param {Columns} columns
+   * @param {Marks} marks of the task's scale
    */
-  update(run, columns) {
-    this.#show(chartsOf(columns).map((chart) => ({ chart, run, columns, view: this.#view })));
+  update(run, columns, marks) {
+    const view = this.#view;
+    this.#show(chartsOf(columns).map((chart) => ({ chart, run, columns, view, marks })));
   }
 }
+
+const DECADES = 100; // the largest over the least value from which on an axis is logarithmic
 
 class RunChart {
   #title;
@@ -67,8 +72,8 @@ class RunChart {
   }
 
   /** @param {Shown} shown */
-  update({ chart, run, columns, view }) {
-    const data = runData(chart, run, columns, view);
+  update({ chart, run, columns, view, marks }) {
+    const data = runData(chart, run, columns, view, marks);
     const smoothed =
       view.get("smoothing") > 0 ? " Bold lines are smoothed for display, the faint ones are exact." : "";
     const texts = { caption: `${legendText(chart)}${chart.caption}${smoothed}`, abscissa: view.get("x") };
@@ -96,15 +101,17 @@ function legendText({ names }) {
  * @param {Api.Run} run
  * @param {Columns} columns
  * @param {View<Fields>} view
+ * @param {Marks} scale
  * @returns {Data}
  */
-function runData({ title, names }, run, columns, view) {
+function runData({ title, names }, run, columns, view, scale) {
   const x = abscissa(columns, view.get("x"));
   const from = view.get("logx") ? x.findIndex((value) => value > 0) : 0;
   const rest = slicer(from);
-  const marks = title.startsWith("Direction") ? [0, 1] : [];
+  const references = referencesOf(title, scale);
+  const marks = references.map(({ value }) => value);
   const values = names.flatMap((name) => rest(columns[name]).filter((value) => value !== null));
-  const scale = yScale([...values, ...marks], view.get("logy"));
+  const onAxis = yScale([...values, ...marks], view.get("logy") || isDueInDecades(title, values));
   const tints = shades(algorithmColour(run.algorithm), names.length);
   const curves = names.map((name, i) => {
     const mean = rest(columns[name]);
@@ -116,12 +123,11 @@ function runData({ title, names }, run, columns, view) {
       dash: dashPattern(i),
       x: rest(x),
       mean,
-      line: weight > 0 ? smooth(mean, weight, scale) : mean,
+      line: weight > 0 ? smooth(mean, weight, onAxis) : mean,
       n: mean.map(() => 1),
     };
     return weight > 0 ? { ...drawn, raw: mean } : drawn;
   });
-  const references = marks.map((value) => ({ value, label: "" }));
   const max = view.get("x") === "timesteps" ? run.timesteps : null;
   return {
     curves,
@@ -130,7 +136,7 @@ function runData({ title, names }, run, columns, view) {
     y: {
       label: names.length === 1 ? names[0] : title.toLowerCase(),
       anchors: marks,
-      ...scale,
+      ...onAxis,
       ...yLimits(view, values),
     },
   };
@@ -157,4 +163,32 @@ function fillTable(table, names, columns, x) {
     element("thead", {}, element("tr", {}, ...heads)),
     element("tbody", {}, ...rows),
   );
+}
+
+/**
+ * Where the random policy and the largest reward lie; where a direction is right, or none.
+ *
+ * @param {string} title
+ * @param {Marks} scale
+ * @returns {import("../charts/chart.js").Reference[]}
+ */
+function referencesOf(title, { random, best }) {
+  if (title.startsWith("Direction")) return [0, 1].map((value) => ({ value, label: "" }));
+  if (title !== "Return") return [];
+  const zero = random === null ? [] : [{ value: random.mean, label: "random" }];
+  return best === null ? zero : [...zero, { value: best, label: "maximum" }];
+}
+
+/**
+ * Whether a chart of losses or lengths spans decades, and says more on a logarithmic axis.
+ *
+ * @param {string} title
+ * @param {number[]} values
+ * @returns {boolean}
+ */
+function isDueInDecades(title, values) {
+  if (!["Losses", "Gradient norms"].includes(title)) return false;
+  const least = values.reduce((a, b) => Math.min(a, b), Infinity);
+  const largest = values.reduce((a, b) => Math.max(a, b), 0);
+  return least > 0 && largest > DECADES * least;
 }

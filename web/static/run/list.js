@@ -3,17 +3,24 @@ import { Sparkline } from "../charts/sparkline.js";
 import { refusalOf } from "../connection/api.js";
 import * as connection from "../connection/state.js";
 import { element, keyed, setText } from "../parts/element.js";
+import { varied } from "../parts/identity.js";
 import { algorithmColour } from "../parts/palette.js";
 import { statusMark } from "../parts/status.js";
 import { count, number } from "../texts/format.js";
 import { activityText, canCancel, canRetry, statusText, tookText } from "../texts/run.js";
 import { cancelRun, retryRun } from "./moves.js";
 
-/** @import { Field, View } from "../parts/view.js" */
+/**
+ * @import { Entry } from "../parts/identity.js"
+ * @import { Field, View } from "../parts/view.js"
+ *
+ * @typedef {{ run: Api.ListedRun, settings: [name: string, text: string][] }} Row   settings: those
+ *   in which the entries of the sweep differ
+ */
 
 export class RunList {
-  /** @type {(runs: Api.ListedRun[]) => void} shows these rows and no others */
-  show;
+  /** @type {(rows: Row[]) => void} */
+  #show;
   #view;
   #refetch;
 
@@ -25,19 +32,36 @@ export class RunList {
   constructor(body, view, refetch) {
     this.#view = view;
     this.#refetch = refetch;
-    this.show = keyed(
+    this.#show = keyed(
       body,
-      (/** @type {Api.ListedRun} */ run) => run.id,
-      (run) => this.#row(run),
+      (/** @type {Row} */ { run, settings }) => [run.id, ...settings.map(([name]) => name)].join(" "),
+      (row) => this.#row(row),
     );
   }
 
   /**
-   * @param {Api.ListedRun} first
-   * @returns {{ node: HTMLElement, update: (run: Api.ListedRun) => void }}
+   * Show these runs and no others.
+   *
+   * @param {Api.ListedRun[]} runs
+   * @param {Entry[]} entries of the sweep
+   */
+  show(runs, entries) {
+    const names = varied(entries);
+    const stated = new Map(entries.map((entry) => [entry.label, entry.stated ?? {}]));
+    this.#show(
+      runs.map((run) => {
+        const values = stated.get(run.label) ?? {};
+        return { run, settings: names.map((name) => [name, settingText(values[name])]) };
+      }),
+    );
+  }
+
+  /**
+   * @param {Row} first
+   * @returns {{ node: HTMLElement, update: (row: Row) => void }}
    */
   #row(first) {
-    let run = first;
+    let { run } = first;
     const ordinal = run.id.slice(run.id.indexOf("-") + 1);
     const box = element("input", { "type": "checkbox", "aria-label": `Select run ${ordinal}` });
     box.addEventListener("change", () => this.#pick(run.id, box.checked));
@@ -45,8 +69,8 @@ export class RunList {
     const activity = element("span", { class: "activity" });
     const reason = element("span", { class: "reason" });
     const sparkline = new Sparkline(algorithmColour(run.algorithm));
-    const numbers = ["latest", "timesteps", "took"].map(() => element("td", { class: "number" }));
-    const [latest, timesteps, took] = numbers;
+    const numbers = [1, 2, 3, 4].map(() => element("td", { class: "number" }));
+    const [score, latest, timesteps, took] = numbers;
     const cancel = this.#button("Cancel", ordinal, () => cancelRun(run));
     const retry = this.#button("Retry", ordinal, () => retryRun(run));
     const node = element(
@@ -57,17 +81,19 @@ export class RunList {
       element("td", {}, state, activity, reason),
       element("td", {}, run.environment),
       element("td", {}, run.label),
+      ...first.settings.map(([, text]) => element("td", { class: "number" }, text)),
       element("td", { class: "number" }, String(run.seed)),
       element("td", {}, sparkline.node),
       ...numbers,
       element("td", {}, cancel, retry),
     );
-    const update = (/** @type {Api.ListedRun} */ now) => {
-      run = now;
+    const update = (/** @type {Row} */ now) => {
+      ({ run } = now);
       box.checked = this.#view.get("pick").includes(run.id);
       state.replaceChildren(statusMark(run.status), statusText(run));
       const values = run.sparkline ?? [];
       sparkline.update(values, run.timestep / run.timesteps);
+      setText(score, run.score === null ? "" : number(run.score));
       setText(latest, values.length > 0 ? number(values.at(-1)) : "");
       setText(timesteps, `${count(run.timestep)} / ${count(run.timesteps)}`);
       setText(took, tookText(run));
@@ -106,4 +132,13 @@ export class RunList {
     const others = this.#view.get("pick").filter((each) => each !== id);
     this.#view.set({ pick: isPicked ? [...others, id] : others });
   }
+}
+
+/**
+ * @param {unknown} value
+ * @returns {string}
+ */
+function settingText(value) {
+  if (value === undefined) return "preset";
+  return typeof value === "number" ? number(value) : JSON.stringify(value);
 }

@@ -1,9 +1,9 @@
-/** The selected runs: compared, or moved one after the other, whatever page of the list they are on. */
-import { post, refusalOf } from "../connection/api.js";
+/** The selected runs: compared, or moved together, whatever page of the list they are on. */
+import { refusalOf } from "../connection/api.js";
+import { moveAll } from "../connection/bulk.js";
 import { confirm } from "../parts/confirm.js";
 import { at, setText } from "../parts/element.js";
 import { count, counted } from "../texts/format.js";
-import { statusText } from "../texts/run.js";
 
 /** @import { Field, View } from "../parts/view.js" */
 /** @typedef {"pause" | "resume" | "retry" | "cancel"} Verb */
@@ -56,22 +56,8 @@ export class Picked {
     if (verb === "cancel" && !(await isMeant(ids.length))) return;
     this.#moving = true;
     this.update();
-    /** @type {string[]} */
-    const statuses = []; // where the runs stand now
-    /** @type {string[]} */
-    const refusals = [];
-    for (const id of ids) {
-      try {
-        statuses.push(statusText(await post(`/runs/${id}/${verb}`)));
-      } catch (error) {
-        const refusal = refusalOf(error);
-        refusals.push(refusal.message);
-        if (refusal.status === 0 || refusal.status === 401) break; // so would the others be
-      }
-      setText(at("picked-state"), `${statuses.length + refusals.length} of ${ids.length} …`);
-    }
+    setText(at("picked-state"), await moveAll(verb, ids).catch((error) => refusalOf(error).message));
     this.#moving = false;
-    setText(at("picked-state"), result(statuses, refusals));
     this.update();
     this.#refetch();
   }
@@ -90,18 +76,4 @@ function isMeant(length) {
     yes: length === 1 ? "Cancel the run" : "Cancel the runs",
     no: "Let them run",
   });
-}
-
-/**
- * "3 paused. 1 refused: Run ...-4 has succeeded ..."
- *
- * @param {string[]} statuses
- * @param {string[]} refusals
- * @returns {string}
- */
-function result(statuses, refusals) {
-  const kinds = [...new Set(statuses)];
-  const parts = kinds.map((kind) => `${statuses.filter((each) => each === kind).length} ${kind}`);
-  const now = parts.length === 0 ? "" : `${parts.join(", ")}. `;
-  return now + (refusals.length === 0 ? "" : `${refusals.length} refused: ${refusals[0]}`);
 }

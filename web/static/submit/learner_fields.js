@@ -1,17 +1,19 @@
-/** The inputs of one algorithm: whether it takes part, its weights, its settings. */
+/** The inputs of one item of a request: an algorithm, its label, its weights, its settings. */
 import { element } from "../parts/element.js";
 import { algorithmColour } from "../parts/palette.js";
 import { swatch } from "../parts/swatch.js";
 import { settings } from "../texts/schema.js";
 
-const WEIGHTS_HINT = "Pairs, each a curve of its own: 0.1, 0.1; 0.01, 0";
+const WEIGHTS_HINT = "Pairs, each a curve of its own: 0.1, 0.1; 0.01, 0. A list is a grid: [0.1, 1], 0";
+const GRID_HINT = "A list is a grid, every combination a curve: 0.1, 0.2";
+const TOGETHER_HINT = "Names of lists above that advance together instead: rate, tau";
 
 /**
  * @import { Setting } from "../texts/schema.js"
- * @import { Place } from "./faults.js"
+ * @import { Place } from "../parts/faults.js"
  *
- * @typedef {{ input: HTMLInputElement, node: HTMLElement }} WeightsField
- * @typedef {WeightsField & { setting: Setting }} SettingField
+ * @typedef {{ input: HTMLInputElement, node: HTMLElement }} TextField
+ * @typedef {TextField & { setting: Setting }} SettingField
  */
 
 export class LearnerFields {
@@ -20,6 +22,8 @@ export class LearnerFields {
   /** @type {Api.Algorithm} */
   algorithm;
   #box;
+  #label;
+  #together;
   #reason = element("span", { class: "hint" });
   #details;
   #weights;
@@ -27,25 +31,47 @@ export class LearnerFields {
   /** @type {string[] | null} */
   #only = null; // the environments that a draft keeps it to, null for all
 
-  /** @param {Api.Algorithm} algorithm */
-  constructor(algorithm) {
+  /**
+   * @param {Api.Algorithm} algorithm
+   * @param {object} among the items of the same algorithm
+   * @param {number} among.place 0 for the one that its checkbox chooses; the others are removed
+   * @param {() => void} among.onAnother asks for one more
+   * @param {() => void} among.onRemove asks for this one to be taken away
+   */
+  constructor(algorithm, { place, onAnother, onRemove }) {
     this.algorithm = algorithm;
     const { name, summary } = algorithm;
+    const id = place === 0 ? name : `${name}-${place + 1}`;
     this.#box = element("input", { type: "checkbox", name: "algorithm", value: name });
+    this.#box.checked = this.#box.hidden = place > 0;
     const identity = { colour: algorithmColour(name), dash: [] };
-    const text = element("span", { class: "muted" }, summary);
-    this.#weights = weightsField(name);
-    this.#settings = settings(algorithm.config_schema).map((setting) => settingField(name, setting));
+    const text = element("span", { class: "muted" }, place === 0 ? summary : "once more");
+    this.#label = textField(`label-${id}`, "Label", "Shown instead of the algorithm’s name");
+    this.#weights = textField(`weights-${id}`, "Weights w1, w2", WEIGHTS_HINT);
+    this.#together = textField(`together-${id}`, "Together", TOGETHER_HINT);
+    this.#settings = settings(algorithm.config_schema).map((setting) => settingField(id, setting));
+    const another = element(
+      "button",
+      { type: "button", class: "quiet", onclick: onAnother },
+      `Another entry of ${name}`,
+    );
+    const remove = element("button", { type: "button", class: "quiet", onclick: onRemove }, "Remove");
+    remove.setAttribute("aria-label", `Remove this entry of ${name}`);
+    remove.hidden = place === 0;
     this.#details = element(
       "div",
       { class: "learner" },
       algorithm.uses_weights ? this.#weights.node : null,
+      this.#label.node,
       element(
         "details",
         {},
         element("summary", {}, "Settings"),
+        element("p", { class: "hint" }, GRID_HINT),
         element("div", { class: "settings" }, ...this.#settings.map((field) => field.node)),
+        this.#together.node,
       ),
+      element("p", { class: "view-actions" }, another, remove),
     );
     this.node = element(
       "div",
@@ -59,6 +85,11 @@ export class LearnerFields {
 
   get isChosen() {
     return this.#box.checked;
+  }
+
+  /** Whether its algorithm has another item before it. */
+  get isAdded() {
+    return this.#box.hidden;
   }
 
   /**
@@ -106,8 +137,12 @@ export class LearnerFields {
         .filter(({ input }) => input.value.trim() !== "")
         .map(({ input, setting }) => [setting.name, readSetting(input.value.trim())]),
     );
+    const label = this.#label.input.value.trim();
+    const together = this.#together.input.value.split(",").map((each) => each.trim()).filter(Boolean);
     return {
       name: this.algorithm.name,
+      ...(label ? { label } : {}),
+      ...(together.length > 0 ? { zip: together } : {}),
       ...(weights === null ? {} : { weights }),
       ...(Object.keys(config).length > 0 ? { config } : {}),
       ...(this.#able(chosen).length < chosen.length ? { environments: this.#able(chosen) } : {}),
@@ -132,11 +167,13 @@ export class LearnerFields {
    */
   fill(request) {
     this.#box.checked = request !== undefined;
+    this.#label.input.value = request?.label ?? "";
+    this.#together.input.value = request?.zip?.join(", ") ?? "";
     this.#only = request?.environments ?? null;
     this.#weights.input.value = writeWeights(request?.weights);
     for (const { input, setting } of this.#settings) {
       const value = request?.config?.[setting.name];
-      input.value = value === undefined ? "" : JSON.stringify(value).replaceAll(/^"|"$/g, "");
+      input.value = value === undefined ? "" : writeSetting(value);
     }
     this.#fold();
   }
@@ -153,7 +190,13 @@ export class LearnerFields {
     const ofSettings = this.#settings.map(({ node, setting }) => {
       return [`${field}.config.${setting.name}`, node];
     });
-    return [...ofSettings, [`${field}.weights`, this.#weights.node], [field, this.node]];
+    return [
+      ...ofSettings,
+      [`${field}.weights`, this.#weights.node],
+      [`${field}.label`, this.#label.node],
+      [`${field}.zip`, this.#together.node],
+      [field, this.node],
+    ];
   }
 
   #fold() {
@@ -162,29 +205,30 @@ export class LearnerFields {
 }
 
 /**
- * @param {string} name
- * @returns {WeightsField}
+ * @param {string} id
+ * @param {string} title
+ * @param {string} text
+ * @returns {TextField}
  */
-function weightsField(name) {
-  const id = `weights-${name}`;
-  const hint = element("p", { id: `${id}-hint`, class: "hint" }, WEIGHTS_HINT);
+function textField(id, title, text) {
+  const hint = element("p", { id: `${id}-hint`, class: "hint" }, text);
   const input = element("input", {
     "type": "text",
     id,
     "autocomplete": "off",
     "aria-describedby": hint.id,
   });
-  const label = element("label", { for: id }, "Weights w1, w2");
+  const label = element("label", { for: id }, title);
   return { input, node: element("div", { class: "field" }, label, input, hint) };
 }
 
 /**
- * @param {string} name
+ * @param {string} owner
  * @param {Setting} setting
  * @returns {SettingField}
  */
-function settingField(name, setting) {
-  const id = `setting-${name}-${setting.name}`;
+function settingField(owner, setting) {
+  const id = `setting-${owner}-${setting.name}`;
   const input = element("input", { type: "text", id, autocomplete: "off" });
   const label = element("label", { for: id }, `${setting.name} (${setting.kind})`);
   return { input, setting, node: element("div", { class: "field" }, label, input) };
@@ -222,7 +266,7 @@ function settingText(value) {
 export function readWeights(text) {
   const pairs = text.split(";").map((pair) => pair.trim());
   const read = pairs.filter(Boolean).map((pair) => {
-    const [w1, w2] = pair.split(",").map((each) => readSetting(each.trim()));
+    const [w1, w2] = asList(pair) ?? pair.split(",").map((each) => each.trim());
     return { w1, ...(w2 === undefined ? {} : { w2 }) };
   });
   if (read.length === 0) return null;
@@ -235,19 +279,42 @@ export function readWeights(text) {
  */
 function writeWeights(weights) {
   if (weights === undefined || weights === null) return "";
-  return [weights].flat().map(({ w1 = 0, w2 = 0 }) => `${w1}, ${w2}`).join("; ");
+  const text = (/** @type {number | number[]} */ value) => JSON.stringify(value).replaceAll(",", ", ");
+  return [weights].flat().map(({ w1 = 0, w2 = 0 }) => `${text(w1)}, ${text(w2)}`).join("; ");
 }
 
 /**
- * A number, truth value or list where the text is one, else the text.
+ * A number, truth value or list where the text is one, else the text; several with commas between
+ * them are a list.
  *
  * @param {string} text
  * @returns {unknown}
  */
 export function readSetting(text) {
+  const values = asList(text);
+  if (values === null) return text;
+  return values.length === 1 ? values[0] : values;
+}
+
+/**
+ * The values between commas, where each is one of JSON or a number that Python reads too.
+ *
+ * @param {string} text
+ * @returns {unknown[] | null}
+ */
+function asList(text) {
   try {
-    return JSON.parse(text.replace("−", "-"));
+    return JSON.parse(`[${text.replaceAll("−", "-")}]`);
   } catch {
-    return text;
+    return null;
   }
+}
+
+/**
+ * @param {unknown} value
+ * @returns {string}
+ */
+function writeSetting(value) {
+  if (!Array.isArray(value)) return JSON.stringify(value).replaceAll(/^"|"$/g, "");
+  return value.map((each) => JSON.stringify(each)).join(", ");
 }

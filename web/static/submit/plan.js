@@ -3,13 +3,14 @@ import { element } from "../parts/element.js";
 import { count, counted, duration, number } from "../texts/format.js";
 
 /**
- * "48 runs, 960,000 timesteps, about 12 min on 2 workers."
+ * "3 × 1 × 16 seeds = 48 runs, 960,000 timesteps, about 12 min on 2 workers."
  *
  * @param {Api.Plan} plan
  * @returns {string}
  */
-export function estimateText({ runs, timesteps, estimate }) {
-  const size = `${counted(runs.total, "run")}, ${count(timesteps)} timesteps`;
+export function estimateText({ timesteps, estimate, product }) {
+  const [multiplied] = product.replaceAll(" x ", " × ").split(", about");
+  const size = `${multiplied}, ${count(timesteps)} timesteps`;
   if (!estimate || estimate.core_seconds === null) {
     return `${size}. ${estimate?.explanation ?? ""}`.trim();
   }

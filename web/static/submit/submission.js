@@ -1,7 +1,7 @@
 /** The form that submits a sweep, made of the catalogue; its draft lives in the address. */
 import { get, isDropped, post, refusalOf } from "../connection/api.js";
 import { at, element, field, setText } from "../parts/element.js";
-import { clearFaults, showFaults } from "./faults.js";
+import { clearFaults, showFaults } from "../parts/faults.js";
 import { LearnerFields, readSetting } from "./learner_fields.js";
 import { estimateText, fillPlan } from "./plan.js";
 
@@ -24,6 +24,7 @@ export class Submission {
   #environments = [];
   #key = newKey();
   #sent = false;
+  #added = 0; // items so far beyond an algorithm's first: their inputs have names of their own
   #asking = new AbortController();
   /** @type {ReturnType<typeof setTimeout> | undefined} */
   #timer;
@@ -69,7 +70,7 @@ export class Submission {
 
   async #build() {
     const { algorithms, environments } = await get("/catalogue");
-    this.#learners = algorithms.map((algorithm) => new LearnerFields(algorithm));
+    this.#learners = algorithms.map((algorithm) => this.#fields(algorithm, 0));
     this.#environments = environments.map(({ name }) =>
       element("input", { type: "checkbox", name: "environment", value: name }),
     );
@@ -81,13 +82,59 @@ export class Submission {
     );
   }
 
+  /**
+   * The inputs of an algorithm's first item, or of one more.
+   *
+   * @param {Api.Algorithm} algorithm
+   * @param {number} place among those of the algorithm that were ever made
+   * @returns {LearnerFields}
+   */
+  #fields(algorithm, place) {
+    const made = new LearnerFields(algorithm, {
+      place,
+      onAnother: () => {
+        this.#another(algorithm);
+        this.#onInput();
+      },
+      onRemove: () => {
+        this.#remove(made);
+        this.#onInput();
+      },
+    });
+    return made;
+  }
+
+  /**
+   * One more item of an algorithm, after those that it has.
+   *
+   * @param {Api.Algorithm} algorithm
+   * @returns {LearnerFields}
+   */
+  #another(algorithm) {
+    const last = this.#learners.findLastIndex((each) => each.algorithm === algorithm);
+    const added = this.#fields(algorithm, ++this.#added);
+    this.#learners[last].node.after(added.node);
+    this.#learners = this.#learners.toSpliced(last + 1, 0, added);
+    return added;
+  }
+
+  /** @param {LearnerFields} learner */
+  #remove(learner) {
+    learner.node.remove();
+    this.#learners = this.#learners.filter((each) => each !== learner);
+  }
+
   /** @param {Draft} draft */
   #fill(draft) {
     this.#field("name").value = draft.name ?? "";
     this.#field("seeds").value = [draft.seeds ?? 4].flat().join(", ");
     for (const name of OPTIONAL) this.#field(name).value = String(draft[name] ?? "");
+    for (const learner of this.#learners.filter((each) => each.isAdded)) this.#remove(learner);
     for (const learner of this.#learners) {
-      learner.fill(draft.algorithms?.find((each) => each.name === learner.algorithm.name));
+      const { algorithm } = learner;
+      const [first, ...more] = draft.algorithms?.filter(({ name }) => name === algorithm.name) ?? [];
+      learner.fill(first);
+      for (const request of more) this.#another(algorithm).fill(request);
     }
     for (const box of this.#environments) {
       box.checked = draft.environments?.includes(box.value) ?? false;

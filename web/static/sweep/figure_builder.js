@@ -20,7 +20,7 @@ export class FigureBuilder {
   #id;
   #view;
   #details = at("figure-builder", HTMLDetailsElement);
-  #preview = at("figure-preview", HTMLImageElement);
+  #preview = element("img", { id: "figure-preview", alt: "The figure as it will be" });
   #showEntries;
   #showTasks;
   /** @type {Api.Panel[]} */
@@ -101,6 +101,7 @@ export class FigureBuilder {
       this.#drawn = wanted;
       setText(at("figure-state"), "Drawing …");
       this.#preview.src = wanted;
+      at("figure-frame").prepend(this.#preview);
     }, PAUSE_MILLISECONDS);
   }
 

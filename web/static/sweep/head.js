@@ -5,7 +5,8 @@ import { at, setText } from "../parts/element.js";
 import { statusCounts, timeElement } from "../parts/status.js";
 import { count, percent } from "../texts/format.js";
 import { isActive, stateText, summary } from "../texts/sweep.js";
-import { cancelSweep } from "./moves.js";
+import { Description } from "./description.js";
+import { cancelSweep, deleteSweep } from "./moves.js";
 import { loadProblems } from "./problems.js";
 
 export class SweepHead {
@@ -20,6 +21,7 @@ export class SweepHead {
   #refetch;
   #onMissing;
   #showCounts = statusCounts(at("counts"));
+  #description;
 
   /**
    * @param {string} id
@@ -32,7 +34,13 @@ export class SweepHead {
     this.#titled = titled;
     this.#refetch = refetch;
     this.#onMissing = onMissing;
+    this.#description = new Description(refetch);
     at("cancel").addEventListener("click", () => this.#act((sweep) => cancelSweep(sweep)));
+    at("delete").addEventListener("click", () =>
+      this.#act(async (sweep) => {
+        if (await deleteSweep(sweep)) location.assign("/");
+      }),
+    );
     for (const verb of /** @type {const} */ (["pause", "resume", "retry"])) {
       at(verb).addEventListener("click", () => this.#act(() => post(`/sweeps/${id}/${verb}`)));
     }
@@ -67,6 +75,7 @@ export class SweepHead {
     again.href = `/?${draft}`;
     again.hidden = false; // not before: it would lead to an empty form
     this.#showCounts(sweep);
+    this.#description.show(sweep);
     showActions(sweep);
   }
 
@@ -88,6 +97,7 @@ export class SweepHead {
  */
 function showActions(sweep) {
   at("cancel").hidden = !isActive(sweep);
+  at("delete").hidden = isActive(sweep);
   at("pause").hidden = sweep.runs.queued === 0;
   at("resume").hidden = sweep.status !== "paused" && sweep.runs.paused === 0;
   at("retry").hidden = sweep.runs.failed === 0;

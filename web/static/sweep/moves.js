@@ -1,5 +1,5 @@
 /** What a person does to a sweep: asked for once more where it stops something for good. */
-import { post } from "../connection/api.js";
+import { post, remove } from "../connection/api.js";
 import { confirm } from "../parts/confirm.js";
 import { counted } from "../texts/format.js";
 
@@ -20,5 +20,22 @@ export async function cancelSweep(sweep) {
     no: "Let it run",
   });
   if (meant) await post(`/sweeps/${sweep.id}/cancel`);
+  return meant;
+}
+
+/**
+ * Delete a sweep if the person means it. Throws Refusal.
+ *
+ * @param {Api.Sweep} sweep
+ * @returns {Promise<boolean>}
+ */
+export async function deleteSweep({ id, name, runs }) {
+  const meant = await confirm({
+    title: `Delete “${name}”?`,
+    detail: `Its ${counted(runs.total, "run")} go for good, with all that was measured and learned.`,
+    yes: "Delete the sweep",
+    no: "Keep it",
+  });
+  if (meant) await remove(`/sweeps/${id}`);
   return meant;
 }

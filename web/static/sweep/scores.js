@@ -24,6 +24,7 @@ export class ScoreTable {
   #id;
   #view;
   #entries;
+  #onAnswer;
   /** @type {Api.ScoreTable | null} */
   #answer = null;
 
@@ -32,8 +33,10 @@ export class ScoreTable {
    * @param {View<Fields>} view
    * @param {() => Api.Entry[]} entries those of the sweep
    * @param {() => void} refetch asks for `load` to be called, for another scale or score
+   * @param {(answer: Api.ScoreTable) => void} onAnswer
    */
-  constructor(id, view, entries, refetch) {
+  constructor(id, view, entries, refetch, onAnswer) {
+    this.#onAnswer = onAnswer;
     this.#id = id;
     this.#view = view;
     this.#entries = entries;
@@ -54,6 +57,7 @@ export class ScoreTable {
       link.download = `sweep-${this.#id}-table.${ending}`;
     }
     this.#draw();
+    this.#onAnswer(this.#answer);
   }
 
   #question() {

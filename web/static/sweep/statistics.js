@@ -8,6 +8,7 @@ import { swatch } from "../parts/swatch.js";
 import { count, number, withBand } from "../texts/format.js";
 import { statusTexts } from "../texts/sweep.js";
 import { interval, scaleOf } from "./interval.js";
+import { against, differenceMatrix, improvementMatrix, labelsOf } from "./pairs.js";
 
 /**
  * @import { Identities } from "../parts/identity.js"
@@ -17,8 +18,12 @@ import { interval, scaleOf } from "./interval.js";
  *
  * @typedef {object} Fields
  * @property {Field<boolean>} statistics
+ * @property {Field<string>} reference   the label that pairs are compared with; "" for the usual
  * @property {Field<"final" | "return_history" | "area">} score
  */
+
+const MOST_SENTENCES = 6; // more pairs are a matrix
+const MATRIX_TEXT = "Bold: the interval leaves no doubt about the sign; it stands in each cell’s title.";
 
 /** @type {import("../charts/limits.js").Limits} */
 const NO_LIMITS = [null, null];
@@ -50,7 +55,7 @@ export class Statistics {
       refetch();
     });
     view.onChange((fields) => {
-      if (fields.includes("score")) refetch();
+      if (fields.includes("score") || fields.includes("reference")) refetch();
     });
     document.addEventListener("themechange", () => this.#draw());
   }
@@ -59,7 +64,8 @@ export class Statistics {
   async load(signal) {
     if (!this.#view.get("statistics")) return;
     try {
-      const question = { score: this.#view.get("score") };
+      const reference = this.#view.get("reference");
+      const question = { score: this.#view.get("score"), reference };
       this.#answer = await get(`/sweeps/${this.#id}/statistics`, question, signal);
     } catch (error) {
       setText(at("statistics-state"), refusalOf(error, 422).message);
@@ -78,18 +84,63 @@ export class Statistics {
       "profiles",
       { onToggle: () => {} },
     ));
-    at("statistics-body").replaceChildren(
+    const body = at("statistics-body");
+    const hadFocus = body.querySelector("[name=reference]:focus") !== null;
+    body.replaceChildren(
       element(
         "div",
         {},
         meansSection(answer.interquartile_mean, known),
-        improvementSection(answer.probability_of_improvement, known),
+        this.#improvementSection(answer.probability_of_improvement, known),
       ),
       profiles.node,
-      ...differencesSection(answer.paired_differences),
+      ...differencesSection(answer.paired_differences, known),
     );
+    if (hadFocus) within(body, "[name=reference]").focus();
     const counts = new Map(answer.interquartile_mean.values.map(({ label, n }) => [label, n]));
     drawProfiles(profiles, answer.performance_profiles, known, counts);
+  }
+
+  /**
+   * Pairs with the reference as intervals; all of them as a matrix where they are many.
+   *
+   * @param {Api.Statistics["probability_of_improvement"]} answer
+   * @param {Identities} known
+   * @returns {HTMLElement}
+   */
+  #improvementSection({ definition, pairs }, known) {
+    const labels = labelsOf(pairs);
+    const reference = this.#view.get("reference") || labels[0];
+    const shown =
+      pairs.length === 1 && !this.#view.get("reference")
+        ? pairs.map(({ x, y, all_pairs: estimate }) => ({ x, y, estimate }))
+        : against(pairs, reference);
+    const scale = scaleOf([], [0, 1]);
+    const rows = shown.map(({ x, y, estimate }) =>
+      tableRow(
+        [`P(${x} > ${y})`],
+        estimateText(estimate),
+        interval(estimate, identityOf(known, x).colour, scale, [0, 0.5, 1]),
+      ),
+    );
+    const list = element("table", { class: "data intervals" }, element("tbody", {}, ...rows));
+    const body = element("div", {}, list);
+    if (pairs.length > MOST_SENTENCES) body.append(improvementMatrix(pairs, known));
+    const text = pairs.length > MOST_SENTENCES ? `${MATRIX_TEXT} ${definition}` : definition;
+    return framed("Probability of improvement", text, body, this.#referencePicker(labels));
+  }
+
+  /**
+   * @param {string[]} labels
+   * @returns {HTMLElement}
+   */
+  #referencePicker(labels) {
+    const usual = element("option", { value: "" }, "the usual baseline");
+    const options = labels.map((label) => element("option", { value: label }, label));
+    const select = element("select", { name: "reference" }, usual, ...options);
+    select.value = this.#view.get("reference");
+    select.addEventListener("change", () => this.#view.set({ reference: select.value }));
+    return element("label", {}, "compared with ", select);
   }
 }
 
@@ -162,28 +213,17 @@ function meansSection({ definition, values }, known) {
 }
 
 /**
- * @param {Api.Statistics["probability_of_improvement"]} answer
- * @param {Identities} known
- * @returns {HTMLElement}
- */
-function improvementSection({ definition, pairs }, known) {
-  const scale = scaleOf([], [0, 1]);
-  const rows = pairs.map(({ x, y, all_pairs: estimate }) =>
-    tableRow(
-      [`P(${x} > ${y})`],
-      estimateText(estimate),
-      interval(estimate, identityOf(known, x).colour, scale, [0, 0.5, 1]),
-    ),
-  );
-  return section("Probability of improvement", definition, rows);
-}
-
-/**
  * @param {Api.Statistics["paired_differences"]} answer
+ * @param {Identities} known
  * @returns {HTMLElement[]}
  */
-function differencesSection({ definition, values }) {
+function differencesSection({ definition, values }, known) {
   if (values.length === 0) return [];
+  const title = "Paired differences in area";
+  if (values.length > MOST_SENTENCES) {
+    const text = `${MATRIX_TEXT} ${definition}`;
+    return [framed(title, text, differenceMatrix(values, known))];
+  }
   const shown = values.flatMap(({ mean: value, ...rest }) => (value === null ? [] : { ...rest, value }));
   const scale = scaleOf(shown, [0]);
   const rows = shown.map((each) => {
@@ -194,7 +234,7 @@ function differencesSection({ definition, values }) {
       interval(each, "currentColor", scale, [0]),
     );
   });
-  return [section("Paired differences in area", definition, rows)];
+  return [section(title, definition, rows)];
 }
 
 /**
@@ -205,12 +245,23 @@ function differencesSection({ definition, values }) {
  */
 function section(title, definition, rows) {
   const body = element("table", { class: "data intervals" }, element("tbody", {}, ...rows));
+  return framed(title, definition, body);
+}
+
+/**
+ * @param {string} title
+ * @param {string} definition
+ * @param {HTMLElement} body
+ * @param {HTMLElement} [choice] what stands beside the title
+ * @returns {HTMLElement}
+ */
+function framed(title, definition, body, choice = undefined) {
   const scroller = element("div", { "class": "scroller", "role": "region", "tabindex": "0" }, body);
   scroller.setAttribute("aria-label", title);
   return element(
     "section",
     {},
-    element("h3", {}, title),
+    element("div", { class: "section-head" }, element("h3", {}, title), choice),
     scroller,
     element("p", { class: "definition" }, definition),
   );

@@ -31,9 +31,31 @@ export function summary(sweep) {
  * @param {Api.ListedSweep} sweep
  * @returns {string}
  */
-export function rowSummary({ entry_count: entries, environments, seeds }) {
+export function rowSummary({ entry_count: entries, environments, seeds, timesteps }) {
   const parts = [counted(entries, "learner"), counted(environments.length, "environment")];
-  return [...parts, counted(seeds, "seed")].join(" × ");
+  const steps = timesteps ? `, ${count(timesteps)} timesteps` : "";
+  return [...parts, counted(seeds, "seed")].join(" × ") + steps;
+}
+
+/**
+ * "ddpg, hybrid-ddpg and 3 more in Pendulum, CartPole".
+ *
+ * @param {Api.ListedSweep} sweep
+ * @returns {string}
+ */
+export function namesText({ algorithms, environments }) {
+  return `${few(algorithms)} in ${few(environments)}`;
+}
+
+const FEW = 3;
+
+/**
+ * @param {string[]} names
+ * @returns {string}
+ */
+function few(names) {
+  if (names.length <= FEW) return names.join(", ");
+  return `${names.slice(0, FEW - 1).join(", ")} and ${names.length - FEW + 1} more`;
 }
 
 /**

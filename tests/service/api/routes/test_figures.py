@@ -271,7 +271,7 @@ def test_a_figure_in_every_look(reader: TestClient, trained: str, query: dict[st
         ({"ymin": 1, "ymax": 0}, "ymax", "not above ymin"),
         ({"columns": 1, "width": 3}, "width", "leave it out"),
         ({"smoothing": 1}, "smoothing", "less than 1"),
-        ({"colours": "x"}, "colours", "Extra"),
+        ({"colours": "x"}, "colours", "did you mean 'colour'"),
     ],
 )
 def test_a_figure_that_cannot_be_drawn_is_refused_by_field(

@@ -17,6 +17,7 @@ PAGES = (
     "/sweeps/3f9a0c51b7de/runs",
     "/runs/3f9a0c51b7de-1",
     "/compare",
+    "/workers",
     "/catalogue",
 )
 

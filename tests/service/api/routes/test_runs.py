@@ -70,7 +70,7 @@ def test_runs_are_filtered(client: TestClient, store: Store) -> None:
         ("status=done", "status"),
         ("algorithm=", "algorithm"),
         ("environment=a%00b", "environment"),
-        ("sort=seed", "sort"),
+        ("sort=colour", "sort"),
     ],
 )
 def test_a_wrong_filter_is_refused(client: TestClient, query: str, field: str) -> None:
@@ -215,3 +215,18 @@ def test_nothing_measured_is_an_empty_table(client: TestClient) -> None:
     url = f"/api/v1/runs/{sweep_id}-0/measurements"
     assert client.get(url).json()["columns"]["timestep"] == []
     assert client.get(f"{url}?format=csv").text.strip().startswith("timestep,return_mean")
+
+
+def test_runs_are_sorted_by_their_score_on_one_scale(reader: TestClient, trained: str) -> None:
+    link = f"{trained}/runs?sort=score&descending=true&limit=5"
+    found: list[float] = []
+    pages = 0
+    while link:
+        page = reader.get(link)
+        found += [run["score"] for run in page.json()["items"]]
+        link = page.links.get("next", {}).get("url", "")
+        pages += 1
+    assert pages > 1
+    assert found == sorted(found, reverse=True)
+    assert max(found) <= 1.5  # normalised: raw returns of Pendulum are below -100
+    assert min(found) >= -1.5

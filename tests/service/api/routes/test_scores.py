@@ -298,3 +298,17 @@ def test_statistics_of_too_much_are_refused(client: TestClient) -> None:
     assert response.status_code == 422
     (error,) = response.json()["errors"]
     assert (error["field"], error["limit"]) == ("sweep", 4_000_000)
+
+
+def test_differences_are_from_the_reference_that_is_asked_for(
+    reader: TestClient, trained: str
+) -> None:
+    labels = [one["label"] for one in reader.get(trained).json()["entries"]]
+    for reference in labels:
+        answer = reader.get(f"{trained}/statistics", params={"reference": reference}).json()
+        values = answer["paired_differences"]["values"]
+        assert {each["baseline"] for each in values} == {reference}
+        assert {each["label"] for each in values} == {*labels} - {reference}
+    refusal = reader.get(f"{trained}/statistics", params={"reference": "nobody"})
+    assert refusal.status_code == 422
+    assert refusal.json()["errors"][0]["field"] == "reference"

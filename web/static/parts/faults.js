@@ -1,5 +1,5 @@
 /** What the service finds wrong with a form, each beside its field. */
-import { element } from "../parts/element.js";
+import { element } from "./element.js";
 
 /**
  * Take all of them away.
