@@ -42,6 +42,7 @@ def test_it_forms_and_stands(signed_in: Page, live: LiveService, scheme: str) ->
     sweep = asked(live, max_seeds=40)
     signed_in.goto(f"{live.url}/sweeps/{sweep}")
     verdict = signed_in.get_by_role("region", name="Verdict")
+    expect(signed_in.locator("article")).to_contain_text("2 environments × 4 seeds or more")
     first = verdict.get_by_role("listitem").filter(has_text="Pendulum: hybrid-ddpg vs ddpg")
     expect(first).to_contain_text("not decided: its first runs have not ended")
     live.train(0, STEPS)

@@ -9,6 +9,10 @@ import { narrowing } from "./narrowing.js";
 /** @import { Identity } from "../parts/identity.js" */
 /** @typedef {{ comparison: Api.Comparison, margin: number, identity: Identity }} Shown */
 
+const DRAWN =
+  "Drawn: the mean of the differences and its interval over the pairs seen, the line at 0, and the " +
+  "differences that do not matter in grey.";
+
 export class Verdict {
   #id;
   #entries;
@@ -54,7 +58,7 @@ export class Verdict {
       })),
     );
     setText(at("verdict-paper"), paper);
-    setText(at("verdict-definition"), definition);
+    setText(at("verdict-definition"), `${DRAWN} ${definition}`);
   }
 
   async #copy() {
@@ -75,7 +79,7 @@ class Comparison {
   update({ comparison, margin, identity }) {
     const { environment, label, against, sentence, sequence } = comparison;
     this.#title.replaceChildren(swatch(identity), `${environment}: ${label} vs ${against}`);
-    setText(this.#sentence, sentence);
+    setText(this.#sentence, sentence.replaceAll(/-(?=\d)/g, "−"));
     this.#picture.replaceChildren(narrowing(sequence, margin, identity.colour));
     setText(this.#rest, rest(comparison));
   }

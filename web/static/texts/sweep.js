@@ -16,8 +16,9 @@ export function summary(sweep) {
   const repeats = Array.isArray(seeds) ? seeds.length : seeds;
   const curves = sweep.runs.total / repeats;
   const parts = [counted(entries, "learner"), counted(environments.length, "environment")];
-  const of = counted(repeats, "seed");
-  const isWhole = curves === entries * environments.length;
+  const isAsked = Boolean(sweep.request.question); // then it gets as many seeds as that takes
+  const of = counted(repeats, "seed") + (isAsked ? " or more" : "");
+  const isWhole = isAsked || curves === entries * environments.length;
   const product = isWhole ? parts.join(" × ") : `${parts.join(" in ")}: ${counted(curves, "curve")}`;
   const steps = timesteps ? `, ${count(timesteps)} timesteps` : "";
   const shares = [scale].flat().map((each) => number(100 * each));
@@ -64,8 +65,8 @@ function few(names) {
  * @param {Api.SweepHead} sweep
  * @returns {boolean}
  */
-export function isActive({ runs }) {
-  return runs.queued + runs.running + runs.paused > 0;
+export function isActive({ runs, status }) {
+  return runs.queued + runs.running + runs.paused > 0 || status === "running"; // between two batches
 }
 
 /**
