@@ -18,11 +18,11 @@ from service.api.context import (
 )
 from service.api.diagnoser import Diagnoser
 from service.api.learned import Learned, TheLearned
+from service.api.nearest import unknown_name
 from service.api.problems import Fault, ImpossibleMove, InvalidRequest, NotFound, ServiceBusy
 from service.api.revalidation import RevalidatedRoute
 from service.api.schemas.diagnosis_answer import CellsQuery, DiagnosisAnswer
 from service.api.side_process import BusyError, Side, TooSlowError
-from service.api.nearest import unknown_name
 from service.model.diagnosis import Diagnosis
 from service.model.entry import Entries, Entry
 from service.model.run import Run
