@@ -26,7 +26,7 @@ from service.model.diagnosis import Diagnosis
 from service.model.run import FINAL, Run, RunStatus
 from service.model.run_name import RunName
 from service.store.reading import events
-from service.store.reading.runs import named, run_of
+from service.store.reading.runs import named, run_of, select_runs
 from service.store.refusal import NotFoundError, TooManyAskedError
 from service.store.tables import diagnoses, runs, sweeps
 
@@ -123,11 +123,8 @@ def record(
 def _select() -> Select[Any]:
     """Runs, each with its diagnosis where there is one."""
     found = diagnoses.c
-    return (
-        select(runs, sweeps.c.id.label("sweep_id"), found.is_waiting, found.findings, found.problem)
-        .join(sweeps, sweeps.c.number == runs.c.sweep_number)
-        .outerjoin(diagnoses, IS_OF_RUN)
-    )
+    columns = (found.is_waiting, found.findings, found.problem)
+    return select_runs().add_columns(*columns).outerjoin(diagnoses, IS_OF_RUN)
 
 
 def _waiting() -> Select[Any]:

@@ -15,7 +15,7 @@ from workers.messages.run_spec import RunSpec, Weights
 
 def find(connection: Connection, run_id: str) -> Run | None:
     """Return one run, or None."""
-    row = connection.execute(_select().where(named(run_id))).one_or_none()
+    row = connection.execute(select_runs().where(named(run_id))).one_or_none()
     return None if row is None else run_of(row)
 
 
@@ -39,7 +39,7 @@ def page(
     limit: int = 100,
 ) -> list[Run]:
     """Return runs of a sweep in an order, from the one that follows the run named `after`."""
-    query = _select().where(sweeps.c.id == sweep_id).order_by(*order.keys()).limit(limit)
+    query = select_runs().where(sweeps.c.id == sweep_id).order_by(*order.keys()).limit(limit)
     if status is not None:
         query = query.where(runs.c.status == status)
     if algorithm is not None:
@@ -47,7 +47,7 @@ def page(
     if environment is not None:
         query = query.where(runs.c.environment == environment)
     if after is not None:
-        keys = _select().with_only_columns(*order.keys()).where(named(after))
+        keys = select_runs().with_only_columns(*order.keys()).where(named(after))
         last = connection.execute(keys).one_or_none()
         query = query.where(false() if last is None else order.after(last))
     return [run_of(row) for row in connection.execute(query)]
@@ -96,7 +96,8 @@ def named(run_id: str) -> ColumnElement[bool]:
     return (sweeps.c.id == name.sweep_id) & (runs.c.ordinal == name.ordinal) & is_there
 
 
-def _select() -> Select[Any]:
+def select_runs() -> Select[Any]:
+    """Return the query of all runs, of which `run_of` reads the rows."""
     columns = (sweeps.c.id.label("sweep_id"), worked_seconds.label("worked_seconds"))
     return select(runs, *columns).join(sweeps, sweeps.c.number == runs.c.sweep_number)
 

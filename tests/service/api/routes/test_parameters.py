@@ -106,7 +106,7 @@ def test_an_algorithm_may_run_in_a_part_of_the_grid(client: TestClient) -> None:
             "environments[0].parameters.gravity",
             "valid number",
         ),
-        ([{"name": "Pendulum", "values": {}}], "environments[0].values", "not permitted"),
+        ([{"name": "Pendulum", "values": {}}], "environments[0].values", "is not known"),
         ([7], "environments[0]", "valid string"),
     ],
 )
