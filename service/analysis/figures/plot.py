@@ -66,7 +66,7 @@ def _figure(title: str, rows: Sequence[Comparison]) -> Figure:
     for ax in axes[-1]:
         ax.set_xlabel(ABSCISSA_TEXT[rows[0].view.x])
         ax.xaxis.set_major_formatter(EngFormatter(sep=""))  # 20k
-    legend_of(figure, title, styles, legend_columns)
+    legend_of(figure, printable(title), styles, legend_columns)
     lines = textwrap.wrap(caption(rows), int(width * CAPTION_CHARACTERS_PER_INCH))
     figure.supxlabel("\n".join(lines), fontsize=7)
     return figure
@@ -111,15 +111,16 @@ def styles_of_entries(entries: Sequence[Entry], shown: Sequence[str]) -> dict[st
 
 
 def legend_of(figure: Figure, title: str, styles: Mapping[str, Style], columns: int) -> None:
-    """Put the title and the names of the lines above the panels."""
-    figure.legend(
-        title=printable(title),
+    """Put the title, of one line or several, and the names of the lines above the panels."""
+    legend = figure.legend(
+        title=title,
         handles=[Line2D([], [], label=printable(label), **styles[label]) for label in styles],
         loc="outside upper center",
         ncols=columns,
         handlelength=HANDLE_LENGTHS,
         frameon=False,
     )
+    legend.get_title().set_multialignment("center")
 
 
 def plain_axes(ax: Axes) -> None:
