@@ -69,7 +69,7 @@ const refreshDiagnosis = new Refresh((signal) => diagnosis.load(signal), {
 });
 
 const stream = follow(address(`/sweeps/${id}/events`), (kind) => {
-  if (kind !== "measurements") refreshDiagnosis.request();
+  if (kind !== "measurements") requestDiagnosis();
   if (kind === "diagnosis") return;
   refreshSweep.request();
   if (kind === "run") return;
@@ -105,6 +105,11 @@ function requestRest() {
   refreshStatistics.request();
 }
 
+/** It waits for the curves too, and changes with runs that end, not with what they measure. */
+function requestDiagnosis() {
+  if (comparison !== null) refreshDiagnosis.request();
+}
+
 /** @param {AbortSignal} signal */
 async function loadCurves(signal) {
   const asked = question(view);
@@ -116,7 +121,9 @@ async function loadCurves(signal) {
   at("loading").hidden = true;
   draw();
   connection.fresh();
-  if (isFirst) requestRest();
+  if (!isFirst) return;
+  requestRest();
+  requestDiagnosis();
 }
 
 /**
