@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -47,7 +48,7 @@ def diagnose(
     options = options_of(identifier, seeds, environment)
     refuse_output(output, figure)
     with Client() as client:
-        found = client.diagnose(identifier, progressed=tell, **options)
+        found = client.diagnose(identifier, progressed=telling(), **options)
         if output is not None:
             output.write_bytes(content(client, identifier, found, output, figure, options))
     if as_json:
@@ -83,10 +84,18 @@ def refuse_output(output: Path | None, figure: FigureName | None) -> None:
         )
 
 
-def tell(diagnosis: DiagnosisAnswer) -> None:
-    """Say how far it is, on standard error."""
-    ended = diagnosis.done + diagnosis.failed
-    typer.echo(f"{ended} of {diagnosis.runs} runs are diagnosed", err=True)
+def telling() -> Callable[[DiagnosisAnswer], None]:
+    """What says how far it is, on standard error, whenever it is further."""
+    told = -1
+
+    def tell(diagnosis: DiagnosisAnswer) -> None:
+        nonlocal told
+        ended = diagnosis.done + diagnosis.failed
+        if ended > told:
+            told = ended
+            typer.echo(f"{ended} of {diagnosis.runs} runs are diagnosed", err=True)
+
+    return tell
 
 
 def content(

@@ -32,12 +32,23 @@ from service.model.entry import Entry
 COLUMN_INCHES = 2.5
 ROW_INCHES = 1.8
 MIN_WIDTH_INCHES = 5.0
-TEXT_INCHES = 1.2
+TEXT_INCHES = 1.3
+TITLE_CHARACTERS_PER_INCH = 14
 CAPTION_POINTS = 7.0
 MOST_RELATIVE_BIAS = 2.0
 """Larger ones are drawn there: the gradient is then too small to be divided by."""
+LEAST_PLACES = 3
+"""Of bars, so that a single one is not as wide as its panel."""
 LEAST_RELATIVE_STD = 1e-3
 """Smaller ones are drawn there, such as of a policy that is saturated."""
+MARGIN = 1.2
+"""Of the abscissa, beside the first and the last horizon."""
+LIMITS: Mapping[FigureName, str] = {
+    "smoothing": (
+        f"Both are ratios of medians; a bias above {MOST_RELATIVE_BIAS:g} and a deviation below "
+        f"{LEAST_RELATIVE_STD:g} are drawn there."
+    )
+}
 
 Draw = Callable[[Axes, Sequence[DiagnosedCell], Mapping[str, Style]], None]
 
@@ -89,8 +100,9 @@ def _figure(
                 ax.set_title(printable(task))
             if is_grid and panel is not panels[-1]:
                 ax.set_xlabel("")
-    where = "" if is_grid else f" in {next(iter(tasks))}"
-    title = f"{FIGURES[name].title}{where}: {subject}"
+    where = "" if is_grid else f" in {printable(next(iter(tasks)))}"
+    subjects = textwrap.wrap(printable(subject), int(width * TITLE_CHARACTERS_PER_INCH))
+    title = "\n".join([FIGURES[name].title + where, *subjects])
     legend_of(figure, title, {label: label for label in styles}, styles, legend_columns)
     figure.supxlabel("\n".join(lines), fontsize=CAPTION_POINTS)
     return figure
@@ -107,7 +119,8 @@ def _caption(name: FigureName, cells: Sequence[DiagnosedCell]) -> str:
     least, most = min(counts), max(counts)
     n = f"n = {most}" if least == most else f"n = {least} to {most}"
     n = n.replace(" ", "\N{NO-BREAK SPACE}")
-    return f"{FIGURES[name].definition} Medians over the n diagnosed runs (seeds) of an entry, {n}."
+    of_runs = f"Medians over the n diagnosed runs (seeds) of an entry, {n}."
+    return " ".join(filter(None, [FIGURES[name].definition, of_runs, LIMITS.get(name)]))
 
 
 def _panels(name: FigureName, cells: Sequence[DiagnosedCell]) -> list[Panel]:
@@ -115,8 +128,8 @@ def _panels(name: FigureName, cells: Sequence[DiagnosedCell]) -> list[Panel]:
         case "smoothing":
             noises = sorted({key[3] for cell in cells for key in cell.medians if key[3] and key[2]})
             return [
-                *(Panel(f"bias / gradient, noise {noise:g}", _bias(noise)) for noise in noises),
-                *(Panel(f"exact / zeroth std, noise {noise:g}", _std(noise)) for noise in noises),
+                *(Panel(f"relative bias, noise {noise:g}", _bias(noise)) for noise in noises),
+                *(Panel(f"relative std, noise {noise:g}", _std(noise)) for noise in noises),
             ]
         case "growth":
             return [Panel("norm", _draw_growth)]
@@ -140,7 +153,7 @@ def _bias(noise: float) -> Draw:
         ax.axhline(1.0, color="0.6", linewidth=0.8)
         _, top = ax.get_ylim()
         ax.set_ylim(-0.06, max(1.15, top))
-        _end(ax, cells, "smoothing", "the smoothed return\nhas no gradient here")
+        _end(ax, cells, "smoothing", "the samples find\nno gradient here")
 
     return draw
 
@@ -189,6 +202,7 @@ def _share(part: str) -> Draw:
     def draw(ax: Axes, cells: Sequence[DiagnosedCell], styles: Mapping[str, Style]) -> None:
         ax.set_ylim(0.0, 1.05)
         ax.set_xticks([])
+        ax.set_xlim(-0.6, max(LEAST_PLACES, len(cells)) - 0.4)
         for place, cell in enumerate(cells):
             shares = [
                 value
@@ -243,6 +257,7 @@ def _end(ax: Axes, cells: Sequence[DiagnosedCell], diagnostic: str, nothing: str
         {key[2] for cell in cells for key in cell.medians if key[0] == diagnostic and key[2]}
     )
     ax.set_xscale("log", base=2)
+    ax.set_xlim(horizons[0] / MARGIN, horizons[-1] * MARGIN)
     ax.xaxis.set_major_locator(FixedLocator(horizons))
     ax.xaxis.set_minor_locator(NullLocator())
     ax.xaxis.set_major_formatter("{x:g}")

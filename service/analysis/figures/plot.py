@@ -100,7 +100,7 @@ def _figure(title: str, asked: Sequence[Comparison], design: Design) -> Figure:
     _label(axes, places)
     if design.has_legend and styles:
         names = {label: design.name(label) for label in styles}
-        legend_of(figure, title if design.has_title else None, names, styles, across)
+        legend_of(figure, printable(title) if design.has_title else None, names, styles, across)
     elif design.has_title:
         figure.suptitle(printable(title))
     if design.has_caption:
@@ -239,15 +239,17 @@ def legend_of(
     styles: Mapping[str, Style],
     columns: int,
 ) -> None:
-    """Put the title and the names of the lines above the panels."""
-    handles = [Line2D([], [], label=printable(names[label]), **styles[label]) for label in styles]
-    figure.legend(
-        title=None if title is None else printable(title),
-        handles=handles,
+    """Put the title, of one line or several, and the names of the lines above the panels."""
+    legend = figure.legend(
+        title=title,
+        handles=[
+            Line2D([], [], label=printable(names[label]), **styles[label]) for label in styles
+        ],
         loc="outside upper center",
         ncols=columns,
         handlelength=HANDLE_LENGTHS,
     )
+    legend.get_title().set_multialignment("center")
 
 
 def by_value(entries: Sequence[Entry]) -> Sequence[Entry]:

@@ -32,7 +32,7 @@ class FakeSide:
 
     def call(self, function: str, *arguments: Any) -> Any:
         assert function == "workers.policies.diagnosis:diagnosis"
-        _, _, spec = arguments
+        _, _, spec, _ = arguments
         self.asked.append(spec.seed)
         return self.answer(spec)
 

@@ -72,7 +72,7 @@ const refreshDiagnosis = new Refresh((signal) => diagnosis.load(signal), {
 });
 
 const stream = follow(id, (kind) => {
-  if (kind !== "measurements") refreshDiagnosis.request();
+  if (kind !== "measurements") requestDiagnosis();
   if (kind === "diagnosis") return;
   refreshSweep.request();
   requestVerdict();
@@ -113,6 +113,11 @@ function requestRest() {
   refreshStatistics.request();
 }
 
+/** It waits for the curves too, and changes with runs that end, not with what they measure. */
+function requestDiagnosis() {
+  if (comparison !== null) refreshDiagnosis.request();
+}
+
 /** @param {AbortSignal} signal */
 async function loadCurves(signal) {
   const asked = question(view);
@@ -124,7 +129,9 @@ async function loadCurves(signal) {
   at("loading").hidden = true;
   draw();
   connection.fresh();
-  if (isFirst) requestRest();
+  if (!isFirst) return;
+  requestRest();
+  requestDiagnosis();
 }
 
 /**

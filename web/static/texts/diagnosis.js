@@ -25,9 +25,10 @@ export function stateText({ runs, waiting, done, failed }) {
   const ended = done + failed;
   if (waiting > 0) return `${ended} of ${counted(runs, "run")} diagnosed …`;
   if (ended === 0) {
+    const subject = runs === 1 ? "the run" : `each of ${counted(runs, "run")}`;
     return (
-      `The bias, the variance and the growth of exact gradients along what ` +
-      `${counted(runs, "run")} learned: some seconds each.`
+      "Bias, variance and growth of exact gradients along episodes of what " +
+      `${subject} has learned; it takes some seconds a run.`
     );
   }
   return done > 0 ? `${counted(done, "run")} diagnosed.` : "";

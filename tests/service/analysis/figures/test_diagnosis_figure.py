@@ -87,7 +87,7 @@ def test_a_number_beyond_float64_is_left_out() -> None:
 
 def test_what_has_no_number_is_said() -> None:
     bias, _, deviation, _ = axes_of("smoothing", cell(norm=0.0, exact_std=0.0))
-    assert "no gradient here" in said(bias)
+    assert "find\nno gradient" in said(bias)
     assert "does not vary" in said(deviation)
     critic = axes_of("critic", cell(action_cosine=math.nan))
     assert "direction" in said(critic[0])
