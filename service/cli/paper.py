@@ -34,7 +34,7 @@ Output = Annotated[Path, typer.Option("--output", "-o", help="Folder of the resu
 @app.callback(invoke_without_command=True)
 def run(
     context: typer.Context,
-    seeds: Annotated[int, typer.Option(min=1, help="Runs of each curve.")] = SEEDS,
+    seeds: Annotated[int, typer.Option(min=1, help="Runs of each curve, at most.")] = SEEDS,
     scale: Annotated[
         float, typer.Option(min=0.001, max=1, help="Share of the timesteps, for a quick look.")
     ] = 1.0,

@@ -17,7 +17,7 @@ from service.paper.differences import Gain, gains
 from service.paper.evaluation import TASKS
 from service.paper.measured import ENDED, MeasuredRun, Scale, read_runs, read_scales
 
-COSTS = {"timesteps": "equal timesteps", "seconds": "equal processor time"}
+COST_TEXT = {"timesteps": "equal timesteps", "seconds": "equal processor time"}
 VERDICTS = ("better", "behind", "not told apart", "not known")
 ROBOT = "HalfCheetah"
 
@@ -33,12 +33,12 @@ def summarized(folder: Path) -> str:
 def _of_hybrid(hybrid: str, found: Sequence[Gain]) -> Iterator[str]:
     """Yield a hybrid's counts of verdicts, and its table."""
     yield f"## {hybrid} minus its baseline\n"
-    for cost, text in COSTS.items():
+    for cost, text in COST_TEXT.items():
         yield f"- {text}: {_counted([gain for gain in found if gain.cost == cost])}"
-    yield f"\n| task | {' | '.join(COSTS.values())} |\n|---|---|---|"
+    yield f"\n| task | {' | '.join(COST_TEXT.values())} |\n|---|---|---|"
     for environment, cells in grouped(found, lambda gain: gain.environment).items():
         by_cost = {gain.cost: gain for gain in cells}
-        yield f"| {environment} | {' | '.join(_cell(by_cost[cost]) for cost in COSTS)} |"
+        yield f"| {environment} | {' | '.join(_cell(by_cost[cost]) for cost in COST_TEXT)} |"
     yield ""
 
 

@@ -31,16 +31,13 @@ ROWS = (
 COLUMNS = ("learner", "tasks", "runs", "early", "of", "x", "value", "low", "high")
 
 
-def write_figure(
-    folder: Path, runs: Sequence[MeasuredRun], scales: Mapping[str, Scale]
-) -> list[Standing]:
+def write_figure(folder: Path, runs: Sequence[MeasuredRun], scales: Mapping[str, Scale]) -> None:
     """Write figure-7 as pictures and its numbers beside them; nothing before the first run ends."""
     found = standings(learners(runs, scales))
     if found:
         _write_numbers(folder / "figure-7.csv", found)
         for form in FORMS:
             (folder / f"figure-7.{form}").write_bytes(today_figure.draw(found, form))
-    return found
 
 
 def learners(runs: Sequence[MeasuredRun], scales: Mapping[str, Scale]) -> list[Learner]:
