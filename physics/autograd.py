@@ -20,7 +20,8 @@ from torch.autograd.function import once_differentiable
 from torch.func import jacrev, vmap
 
 from physics.environment import Environment
-from physics.torch_environment import Tensors, TorchEnvironment, gradients_enabled
+from physics.torch_environment import TorchEnvironment, gradients_enabled
+from physics.torch_trace import Tensors
 
 
 class TorchTransition(NamedTuple):
@@ -197,7 +198,7 @@ class _ParametricStep(torch.autograd.Function):
         return next_state, reward, terminated
 
     @staticmethod
-    @once_differentiable  # type: ignore[untyped-decorator]
+    @once_differentiable
     def backward(
         context: Any, next_gradient: torch.Tensor, reward_gradient: torch.Tensor, _: Any
     ) -> tuple[None, torch.Tensor | None, torch.Tensor, torch.Tensor]:

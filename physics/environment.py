@@ -173,13 +173,18 @@ class Environment(metaclass=CheckedWhenMade):
         return label(self.name, self.changed)
 
     def _changed(self, values: Mapping[str, Any]) -> Self:
-        """A copy with these values, floats or tensors; what followed from others is dropped."""
+        """A copy with these values, floats or tensors."""
         other = copy(self)
-        for name in vars(self):
-            if isinstance(getattr(type(self), name, None), cached_property):
-                del vars(other)[name]
         other.changed = {**self.changed, **values}
         return other
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What a copy takes over: all but what follows from the rest when it is first asked for."""
+        return {
+            name: value
+            for name, value in vars(self).items()
+            if not isinstance(getattr(type(self), name, None), cached_property)
+        }
 
     @cached_property
     def parameter_values(self) -> FloatArray:

@@ -11,7 +11,11 @@ from service.api.access_token import webhook_secret
 from service.api.app import create_app
 from service.api.side_process import SideProcess, TooSlowError
 from service.data_dir import owned
-from service.model.environment import EnvironmentFacts
+from service.model.environment import (
+    EnvironmentFacts,
+    know_tasks_of_packages,
+    tasks_of_packages,
+)
 from service.queue.checkpoint_removal import CheckpointRemoval
 from service.queue.dispatch import Dispatcher
 from service.queue.disposal import Disposal
@@ -31,7 +35,7 @@ def wired(settings: Settings) -> Iterator[FastAPI]:
     Raises RefusalError.
     """
     with owned(settings.data_dir):
-        shelf = _filled_shelf(settings)
+        shelf = filled_shelf(settings)
         store = Store.open(settings.store_url)
         try:
             pool = PoolProcess(
@@ -76,15 +80,31 @@ def wired(settings: Settings) -> Iterator[FastAPI]:
             store.close()
 
 
-def _filled_shelf(settings: Settings) -> TaskShelf:
-    """Return the shelf with the tasks to be served, each file run by a process beside.
+def filled_shelf(settings: Settings) -> TaskShelf:
+    """Return the shelf with the tasks to be served.
+
+    Another process runs each file, and the code of the installed tasks that are not ours.
 
     Raises TaskFileError.
     """
     shelf = TaskShelf(settings.data_dir)
     with closing(SideProcess()) as side:
         shelf.serve(settings.tasks, partial(_described, side))
+        know_tasks_of_packages({name: _installed(side, name) for name in tasks_of_packages()})
     return shelf
+
+
+def _installed(side: SideProcess, name: str) -> EnvironmentFacts | str:
+    """Return the facts of an installed task, or why it cannot be used."""
+    try:
+        facts: EnvironmentFacts = side.call("service.model.environment:facts_of_package", name)
+    except ValueError as error:
+        return str(error)
+    except TooSlowError as error:
+        return f"{name} cannot be loaded: {error}"
+    except EOFError:
+        return f"{name} cannot be loaded: the process that ran it died"
+    return facts
 
 
 def _described(side: SideProcess, path: Path) -> Sequence[EnvironmentFacts]:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
 import physics
-from physics.catalogue import unknown_task
+from physics.catalogue import OWN, unknown_task
 from physics.parameter import Parameter, checked, declared, label, parse
 from physics.task_file import Reference, make_all
 
@@ -59,17 +59,39 @@ class EnvironmentFacts:
         return self.max_reward * self.horizon
 
 
-class _OfFiles:
-    """The tasks of task files that this service knows, and those that can be submitted."""
+class _Told:
+    """What other processes told of tasks whose code this one does not run."""
 
-    known: Mapping[str, EnvironmentFacts] = {}
+    of_files: Mapping[str, EnvironmentFacts] = {}
     served: frozenset[str] = frozenset()
+    """Those of files that can be submitted."""
+    of_packages: Mapping[str, EnvironmentFacts | str] = {}
+    """Installed tasks; a text says why one cannot be used."""
 
 
 def know_tasks_of_files(known: Iterable[EnvironmentFacts], served: Iterable[str]) -> None:
     """Know these tasks of files from now on, and no others; `served` can be submitted."""
-    _OfFiles.known = {facts.name: facts for facts in known}
-    _OfFiles.served = frozenset(served)
+    _Told.of_files = {facts.name: facts for facts in known}
+    _Told.served = frozenset(served)
+
+
+def know_tasks_of_packages(told: Mapping[str, EnvironmentFacts | str]) -> None:
+    """Know these tasks of installed packages from now on, and run the code of none of them."""
+    _Told.of_packages = dict(told)
+
+
+def tasks_of_packages() -> list[str]:
+    """Return the names of the tasks that installed packages add."""
+    return [name for name in physics.names() if name not in OWN]
+
+
+def facts_of_package(name: str) -> EnvironmentFacts:
+    """Make a task of an installed package and return its facts: not for the service's own process.
+
+    Raises:
+        ValueError: where it cannot be made.
+    """
+    return EnvironmentFacts.of(physics.make(name))
 
 
 def facts_of_file(path: Path) -> list[EnvironmentFacts]:
@@ -89,7 +111,7 @@ def environment_facts(environment: str) -> EnvironmentFacts:
             task that cannot be made.
     """
     name, values = parse(environment)
-    facts = _OfFiles.known.get(name) or _installed_facts(name)
+    facts = _Told.of_files.get(name) or _installed_facts(name)
     checked(name, facts.parameters, values)
     return facts
 
@@ -101,7 +123,7 @@ def submittable_facts(environment: str) -> EnvironmentFacts:
         ValueError: as above, and for a task of a file that is not served now.
     """
     facts = environment_facts(environment)
-    if facts.file and facts.name not in _OfFiles.served:
+    if facts.file and facts.name not in _Told.served:
         raise ValueError(
             f"{facts.name} is a task of {facts.file}, which this service was not given: start it "
             f"with --tasks {facts.file}"
@@ -128,7 +150,7 @@ def known_environments() -> list[EnvironmentFacts]:
     for name in physics.names():
         with suppress(ValueError):
             known.append(_installed_facts(name))
-    return known + [_OfFiles.known[name] for name in sorted(_OfFiles.served)]
+    return known + [_Told.of_files[name] for name in sorted(_Told.served)]
 
 
 def best_return(environment: str) -> float:
@@ -145,8 +167,11 @@ def _installed_facts(name: str) -> EnvironmentFacts:
         )
     installed = physics.names()
     if name not in installed:
-        raise ValueError(unknown_task(name, [*installed, *sorted(_OfFiles.served)]))
-    return _made_facts(name)
+        raise ValueError(unknown_task(name, [*installed, *sorted(_Told.served)]))
+    told = _Told.of_packages.get(name)
+    if isinstance(told, str):
+        raise ValueError(told)
+    return told or _made_facts(name)
 
 
 @cache

@@ -1,6 +1,7 @@
 """The task shelf: what a service serves of task files, keeps of them and refuses."""
 
 import json
+import sys
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
@@ -12,12 +13,18 @@ from starlette.testclient import TestClient
 import algorithms
 from physics.task_file import TaskFile
 from service.api.side_process import SideProcess
-from service.bootstrap import wired
-from service.model.environment import best_return, environment_facts, facts_of_file
+from service.bootstrap import filled_shelf, wired
+from service.model.environment import (
+    best_return,
+    environment_facts,
+    facts_of_file,
+    know_tasks_of_packages,
+)
 from service.queue.dispatch import Dispatcher
 from service.settings import Settings
 from service.store.store import Store
 from service.task_shelf import TaskFileError, TaskShelf
+from tests.installed_package import install
 from tests.physics.test_task_file import ANOTHER, ARM
 from tests.service.conftest import changed
 from tests.service.fake_pool import FakePool
@@ -149,6 +156,30 @@ def test_a_name_is_taken_once(shelf: TaskShelf, file: Path, tmp_path: Path) -> N
     other.write_text((ARM + ANOTHER).replace('"long-arm"', '"Pendulum"'))
     with pytest.raises(TaskFileError, match="the name 'Pendulum' is taken by an installed task"):
         shelf.serve([other], facts_of_file)
+
+
+@pytest.mark.parametrize(
+    ("code", "message"),
+    [
+        (ARM, ""),
+        ("1 / 0", r"Arm \(arm:Arm\) cannot be made: ZeroDivisionError: division by zero"),
+        ("import os\nos._exit(1)", "Arm cannot be loaded: the process that ran it died"),
+    ],
+)
+def test_a_package_is_run_by_another_process(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, code: str, message: str
+) -> None:
+    project = '[project.entry-points."d3pg.environments"]\nArm = "arm:Arm"\n'
+    (tmp_path / "package").mkdir()
+    install(tmp_path / "package", "arm", code, project, monkeypatch)
+    filled_shelf(Settings(data_dir=tmp_path / "data"))
+    if message:
+        with pytest.raises(ValueError, match=message):
+            environment_facts("Arm")
+    else:
+        assert environment_facts("Arm(stiffness=2)").horizon == 50
+    assert "arm" not in sys.modules
+    know_tasks_of_packages({})
 
 
 @pytest.mark.parametrize(

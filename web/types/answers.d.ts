@@ -30,10 +30,17 @@ declare namespace Api {
   type ListedSweep = Schemas["ListedSweepAnswer"];
   /** What a sweep and a row of their list have in common. */
   type SweepHead = Omit<Sweep, "notes" | "request" | "entries" | "notices" | "max_workers">;
-  /** What was posted for a sweep. */
-  type Request = Partial<Schemas["SweepRequest"]>;
+  /** What was posted for a sweep, as it is kept: grids of parameters are written out. */
+  type Request = Partial<
+    Omit<Schemas["SweepRequest"], "algorithms" | "environments"> & {
+      algorithms: AlgorithmRequest[];
+      environments: string[];
+    }
+  >;
   /** What is asked for of one algorithm. */
-  type AlgorithmRequest = Schemas["AlgorithmRequest"];
+  type AlgorithmRequest = Omit<Schemas["AlgorithmRequest"], "environments"> & {
+    environments?: string[] | null;
+  };
   type Verdict = Schemas["VerdictAnswer"];
   type Comparison = Schemas["ComparisonAnswer"];
   type Weights = Schemas["Weights"];

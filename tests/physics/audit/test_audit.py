@@ -181,7 +181,7 @@ def test_the_command_fails_on_no_number(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr("sys.argv", ["physics", "audit", "DistanceAtGoal", "--count", "50"])
-    monkeypatch.setattr("physics.__main__.make", lambda name: DistanceAtGoal())
+    monkeypatch.setattr("physics.__main__.as_task", lambda name: DistanceAtGoal())
     assert main() == 1
     printed = capsys.readouterr().out
     assert re.search(r"\| DistanceAtGoal \| 1 \| free \| \d+ \| \d+ \| inf \|", printed)
