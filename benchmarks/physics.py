@@ -20,6 +20,7 @@ import numpy as np
 
 import physics
 from benchmarks.peers.gymnasium_vector import gymnasium_step
+from physics.catalogue import OWN
 from physics.environment import Environment
 from physics.randomness import generator
 
@@ -128,7 +129,7 @@ def measure(name: str, batch: int, others: Sequence[Contender], arguments: Any) 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("names", nargs="*", default=physics.names(), help="tasks (default: all)")
+    parser.add_argument("names", nargs="*", default=list(OWN), help="tasks (default: our own)")
     parser.add_argument("--seconds", type=float, default=0.01, help="length of a round")
     parser.add_argument("--rounds", type=int, default=100)
     arguments = parser.parse_args()

@@ -1,8 +1,8 @@
 """The tasks: simulators with exact derivatives, for NumPy, torch and Gymnasium.
 
-`make`, `names`, `compile_kernels` and `torch_step` are loaded on first use (PEP 562), so that
-`import physics` alone loads neither torch nor numba. The tasks are registered with Gymnasium when
-someone imports it, before or after this package.
+`make`, `names`, `compile_kernels`, `torch_step` and `mujoco`, which makes tasks of MuJoCo's models,
+are loaded on first use (PEP 562), so that `import physics` alone loads neither torch nor numba. The
+tasks are registered with Gymnasium when someone imports it, before or after this package.
 """
 
 from importlib import import_module
@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 from physics.gym.import_watch import when_imported
 
 if TYPE_CHECKING:
+    from physics import mujoco
     from physics.autograd import torch_step
     from physics.catalogue import compile_kernels, make, names
 
-__all__ = ["compile_kernels", "make", "names", "torch_step"]
+__all__ = ["compile_kernels", "make", "mujoco", "names", "torch_step"]
 
 _HOMES = {
     "compile_kernels": "physics.catalogue",
@@ -25,6 +26,8 @@ _HOMES = {
 
 
 def __getattr__(name: str) -> Any:
+    if name == "mujoco":
+        return import_module("physics.mujoco")
     if name not in _HOMES:
         raise AttributeError(f"module 'physics' has no attribute {name!r}")
     return getattr(import_module(_HOMES[name]), name)

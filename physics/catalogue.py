@@ -2,12 +2,14 @@
 
 An installed package adds a task of its own through the entry-point group `d3pg.environments`, with
 the task's name and `module:Class`. The project's own are written the same way, and loaded when
-made: listing names loads no simulator.
+made: listing names loads no simulator. Those that need a package which is an extra are listed where
+it is installed.
 """
 
 from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
 from importlib.metadata import EntryPoint, entry_points
+from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -28,14 +30,31 @@ OWN = {
     "Walker2d": "physics.tasks.walker2d:Walker2d",
     "BallWall": "physics.tasks.ball_wall:BallWall",
 }
+EXTRAS = {
+    "mujoco": {
+        "mujoco/HalfCheetah": "physics.mujoco.gymnasium.running:HalfCheetah",
+        "mujoco/Hopper": "physics.mujoco.gymnasium.running:Hopper",
+        "mujoco/Walker2d": "physics.mujoco.gymnasium.running:Walker2d",
+        "mujoco/Swimmer": "physics.mujoco.gymnasium.running:Swimmer",
+        "mujoco/InvertedDoublePendulum": (
+            "physics.mujoco.gymnasium.inverted_double_pendulum:InvertedDoublePendulum"
+        ),
+        "mujoco/Reacher": "physics.mujoco.gymnasium.reacher:Reacher",
+    },
+}
+"""Package -> tasks that need it."""
 
 
 def names() -> list[str]:
     """The names of all tasks: the project's own, then those of installed packages."""
-    return [
-        *OWN,
-        *sorted(entry.name for entry in entry_points(group=GROUP) if entry.name not in OWN),
-    ]
+    ours = [*OWN, *(name for name, package in _needed().items() if find_spec(package))]
+    others = (entry.name for entry in entry_points(group=GROUP))
+    return [*ours, *sorted(name for name in others if name not in {*OWN, *_needed()})]
+
+
+def _needed() -> dict[str, str]:
+    """The package that each task of an extra needs."""
+    return {name: package for package, tasks in EXTRAS.items() for name in tasks}
 
 
 def make(name: str) -> "Environment":
@@ -79,8 +98,9 @@ def compile_kernels(names: Iterable[str]) -> Iterator[tuple[str, float]]:
 
 def _entry(name: str) -> EntryPoint:
     """Where the task of that name is."""
-    if name in OWN:
-        return EntryPoint(name, OWN[name], GROUP)
+    for ours in (OWN, *EXTRAS.values()):
+        if name in ours:
+            return EntryPoint(name, ours[name], GROUP)
     for entry in entry_points(group=GROUP):
         if entry.name == name:
             return entry

@@ -118,11 +118,17 @@ class Environment(metaclass=CheckedWhenMade):
     """Coordinate -> multiplicity k: the network sees `cos(k theta), sin(k theta)`."""
     hidden: ClassVar[tuple[int, ...]] = ()
     """Coordinates that no network sees."""
+    clipped: ClassVar[Mapping[int, float]] = MappingProxyType({})
+    """Coordinate -> limit: the network sees it clipped to `[-limit, limit]`. The step does not."""
+    feature_order: ClassVar[tuple[int, ...]] = ()
+    """The features in this order, each by its place in that of the coordinates; empty: in that."""
     bounds: ClassVar[Mapping[int, tuple[float, float]]] = MappingProxyType({})
     """Coordinate -> its least and greatest value: no step starts or ends beyond them."""
     rounding: ClassVar[float] = 1e-15
     """How far rounding moves the numbers of a step: no difference says more than this over its
     width. The default is for numbers of order 1 to 10 that nothing amplifies."""
+    tolerance: ClassVar[float] = 1e-6
+    """How far off the gradient audit lets derivatives be; more for those made by differences."""
     regimes: ClassVar[tuple[str, ...]] = ("free", "clipped")
     """The kinds of step that the gradient audit reports separately."""
 
@@ -135,7 +141,9 @@ class Environment(metaclass=CheckedWhenMade):
     @cached_property
     def feature_map(self) -> FeatureMap:
         """How features follow from states."""
-        return FeatureMap(self.state_size, self.angles, self.hidden)
+        return FeatureMap(
+            self.state_size, self.angles, self.hidden, self.clipped, self.feature_order
+        )
 
     @cached_property
     def _domain(self) -> Domain:
@@ -225,6 +233,11 @@ class Environment(metaclass=CheckedWhenMade):
             NotFiniteError, DomainError: as `step`.
         """
         self._domain.check(states, actions)
+
+    def remarks(self, states: FloatArray, actions: FloatArray) -> list[str]:
+        """What else the audit should say of the task, of a sample of states and actions."""
+        del states, actions
+        return []
 
     def function_mistakes(self) -> list[str]:
         """The mistakes in the task's functions, one sentence each; checked when it is made."""

@@ -25,18 +25,24 @@ FARTHEST = 1e4
 
 
 def explore(
-    environment: "Environment", generator: np.random.Generator, count: int
+    environment: "Environment",
+    generator: np.random.Generator,
+    count: int,
+    horizon: int | None = None,
 ) -> tuple[FloatArray, FloatArray]:
     """States [count, n] from all over the rollouts, and actions [count, m], a sixth clipped.
 
+    The rollouts are three of the task's horizons long, or of the one given.
+
     A state whose step leaves the numbers is a state like others: it is for the caller to notice.
     """
-    steps, shape = HORIZONS * environment.horizon, (ROLLOUTS, environment.action_size)
+    horizon = horizon or environment.horizon
+    steps, shape = HORIZONS * horizon, (ROLLOUTS, environment.action_size)
     visited = np.empty((steps, ROLLOUTS, environment.state_size))
     states = np.stack([environment.initial_state(generator) for _ in range(ROLLOUTS)])
     farthest = FARTHEST * max(1.0, float(np.abs(states).max(initial=0.0)))
     kind = np.arange(ROLLOUTS)[:, None] % 4
-    share = np.array([1.0, 1.0, HOLDS / environment.horizon, 0.0])[kind]  # of steps that change it
+    share = np.array([1.0, 1.0, HOLDS / horizon, 0.0])[kind]  # of steps that change it
     actions = np.sign(generator.uniform(-1.0, 1.0, shape))
     for step in range(steps):
         visited[step] = states

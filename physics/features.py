@@ -2,9 +2,10 @@
 
     an angle theta of multiplicity k  ->  cos(k theta), sin(k theta)     in the angle's place
     a hidden coordinate               ->  nothing
-    any other coordinate              ->  itself
+    any other coordinate              ->  itself, clipped to [-limit, limit] where it has a limit
 
-Each feature depends on one coordinate alone, and its slope is a linear function of the features:
+Each feature depends on one coordinate alone, and its slope is a linear function of the features,
+but 0 where the feature is clipped:
 
     d cos(k theta) / d theta = -k sin(k theta),   d sin(k theta) / d theta = k cos(k theta)
 
@@ -14,7 +15,9 @@ adding `G * slopes` to the columns that `sources` names.
 Glossary: `n` coordinates of a state, `F` features.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from math import inf
+from types import MappingProxyType
 from typing import Any, TypeVar, cast
 
 import numpy as np
@@ -26,6 +29,7 @@ from physics.kernels.compiled import compiled
 Array = TypeVar("Array", bound=Any)
 
 _ITSELF, _COS, _SIN = 0, 1, 2
+NOTHING: Mapping[int, float] = MappingProxyType({})
 
 
 class FeatureMap:
@@ -36,35 +40,48 @@ class FeatureMap:
         sources: int64 [F], the coordinate each feature depends on.
         partners: int64 [F], the feature each slope is proportional to.
         factors, offsets: float64 [F], `slope_i = factor_i * feature_partner(i) + offset_i`.
+        limits: float64 [F], infinite for a feature that is not clipped; at its limit, as beyond,
+            a feature's slope is 0.
     """
 
-    def __init__(self, state_size: int, angles: Mapping[int, int], hidden: tuple[int, ...]) -> None:
+    def __init__(
+        self,
+        state_size: int,
+        angles: Mapping[int, int],
+        hidden: tuple[int, ...],
+        clipped: Mapping[int, float] = NOTHING,
+        order: Sequence[int] = (),
+    ) -> None:
         """Lay out the features of a state.
 
         Args:
             state_size: n.
             angles: coordinate -> multiplicity k.
             hidden: coordinates that no feature shows.
+            clipped: coordinate -> the limit of its feature.
+            order: place of each feature, were they in the order of the coordinates; empty: in it.
         """
-        rows: list[tuple[int, int, int, float, float]] = []
+        rows: list[tuple[int, int, int, float, float, float]] = []
         for coordinate in range(state_size):
             here = len(rows)
             if coordinate in angles:
                 k = angles[coordinate]
-                rows.append((coordinate, _COS, here + 1, -k, 0.0))
-                rows.append((coordinate, _SIN, here, k, 0.0))
+                rows.append((coordinate, _COS, here + 1, -k, 0.0, inf))
+                rows.append((coordinate, _SIN, here, k, 0.0, inf))
             elif coordinate not in hidden:
-                rows.append((coordinate, _ITSELF, here, 0.0, 1.0))
-        sources, kinds, partners, factors, offsets = zip(*rows, strict=True)
+                limit = clipped.get(coordinate, inf)
+                rows.append((coordinate, _ITSELF, here, 0.0, 1.0, limit))
+        places = list(order) or list(range(len(rows)))
+        rows = [rows[place] for place in places]
+        sources, kinds, partners, factors, offsets, limits = zip(*rows, strict=True)
         self.size = len(rows)
         self.sources: NDArray[np.int64] = np.array(sources, np.int64)
-        self.partners: NDArray[np.int64] = np.array(partners, np.int64)
+        self.partners: NDArray[np.int64] = np.argsort(places)[list(partners)]
         self.factors: NDArray[np.float64] = np.array(factors, np.float64)
         self.offsets: NDArray[np.float64] = np.array(offsets, np.float64)
+        self.limits: NDArray[np.float64] = np.array(limits, np.float64)
         self._kinds: NDArray[np.int64] = np.array(kinds, np.int64)
         self._state_size = state_size
-        self._angles = dict(angles)
-        self._hidden = frozenset(hidden)
 
     def features(self, states: Array) -> Array:
         """The features [batch, F] of states [batch, n]; torch tensors stay differentiable.
@@ -75,25 +92,31 @@ class FeatureMap:
         if isinstance(states, np.ndarray):
             return cast("Array", self._numpy_features(states))
         xp = array_namespace(states)
-        columns = []
-        for coordinate in range(self._state_size):
-            column = states[..., coordinate]
-            if coordinate in self._angles:
-                phase = self._angles[coordinate] * column
-                columns += [xp.cos(phase), xp.sin(phase)]
-            elif coordinate not in self._hidden:
-                columns.append(column)
+        columns = [
+            self._feature(xp, i, states[..., source]) for i, source in enumerate(self.sources)
+        ]
         return cast("Array", xp.stack(columns, axis=-1))
 
     def slopes(self, features: Array) -> Array:
         """The slopes [batch, F]: of each feature, in its own source coordinate."""
         if isinstance(features, np.ndarray):
-            return cast("Array", features[..., self.partners] * self.factors + self.offsets)
+            slopes = features[..., self.partners] * self.factors + self.offsets
+            return cast("Array", slopes * (np.abs(features) < self.limits.astype(features.dtype)))
         xp = array_namespace(features)
         like = {"dtype": features.dtype, "device": features.device}
         factors, offsets = xp.asarray(self.factors, **like), xp.asarray(self.offsets, **like)
         partners = xp.take(features, xp.asarray(self.partners), axis=-1)
-        return cast("Array", partners * factors + offsets)
+        within = xp.abs(features) < xp.asarray(self.limits, **like)
+        return cast("Array", (partners * factors + offsets) * within)
+
+    def _feature(self, xp: Any, i: int, column: Any) -> Any:
+        """Feature i of its coordinate's column."""
+        if self._kinds[i] == _COS:
+            return xp.cos(-self.factors[i] * column)
+        if self._kinds[i] == _SIN:
+            return xp.sin(self.factors[i] * column)
+        limit = self.limits[i]
+        return xp.clip(column, -limit, limit) if limit < inf else column
 
     def _numpy_features(self, states: NDArray[np.float64]) -> NDArray[np.float64]:
         if states.dtype != np.float64 or states.ndim != 2 or states.shape[1] != self._state_size:
@@ -104,7 +127,7 @@ class FeatureMap:
         if not states.flags.carray:
             states = states.copy(order="C")
         features = np.empty((len(states), self.size))
-        feature_rows(states, self.sources, self._kinds, self.factors, features)
+        feature_rows(states, self.sources, self._kinds, self.factors, self.limits, features)
         return features
 
 
@@ -114,6 +137,7 @@ def feature_rows(
     sources: NDArray[np.int64],
     kinds: NDArray[np.int64],
     factors: NDArray[np.float64],
+    limits: NDArray[np.float64],
     features: NDArray[np.float64],
 ) -> None:
     """Fill `features [batch, F]` from `states [batch, n]`; `|factor|` is an angle's k."""
@@ -124,4 +148,6 @@ def feature_rows(
                 value = np.cos(-factors[i] * value)
             elif kinds[i] == _SIN:
                 value = np.sin(factors[i] * value)
+            elif abs(value) > limits[i]:
+                value = np.copysign(limits[i], value)
             features[row, i] = value

@@ -61,10 +61,13 @@ def are_names(value: Any) -> bool:
 
 
 def is_name(value: Any) -> bool:
-    """Whether a value can stand in an address and in a Gymnasium id."""
-    return isinstance(value, str) and re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]*", value) is not None
+    """Whether a value can stand in an address: a word, or a family's and a member's (`a/b`)."""
+    word = r"[A-Za-z0-9][A-Za-z0-9_.-]*"
+    return isinstance(value, str) and re.fullmatch(rf"({word}/)?{word}", value) is not None
 
 
+COORDINATES = ("angles", "hidden", "bounds", "clipped")
+"""Constants that name coordinates."""
 SIZES = (
     Rule("state_size", "an integer from 1 on", is_whole),
     Rule("action_size", "an integer from 1 on", is_whole),
@@ -81,10 +84,13 @@ RULES = (
         "a number above 0, at most 4e-13",
         lambda value: is_number(value) and 0 < value <= 4e-13,
     ),
+    Rule("tolerance", "a number above 0", lambda value: is_number(value) and value > 0),
     Rule("reward_is_differentiable", "True or False", lambda value: isinstance(value, bool)),
     Rule("angles", "a mapping of coordinates", lambda value: isinstance(value, Mapping)),
     Rule("hidden", "a tuple of coordinates", lambda value: isinstance(value, tuple)),
     Rule("bounds", "a mapping of coordinates", lambda value: isinstance(value, Mapping)),
+    Rule("clipped", "a mapping of coordinates", lambda value: isinstance(value, Mapping)),
+    Rule("feature_order", "a tuple of places", lambda value: isinstance(value, tuple)),
     Rule("regimes", "a tuple of different names, at least one", are_names),
     Rule("step_kernel", "a function", callable),
     Rule("differentiate_kernel", "a function", callable),
@@ -106,15 +112,15 @@ def declaration_mistakes(task: "Environment") -> list[str]:
         else f"{rule.name} must be {rule.expected}, not {value!r}"
         for rule, value in wrong.items()
     ]
-    if not {"state_size", "angles", "hidden", "bounds"} & {rule.name for rule in wrong}:
+    if not {"state_size", *COORDINATES, "feature_order"} & {rule.name for rule in wrong}:
         mistakes += coordinate_mistakes(task)
     return mistakes
 
 
 def coordinate_mistakes(task: "Environment") -> Iterator[str]:
-    """What is wrong with the coordinates that `angles`, `hidden` and `bounds` name."""
+    """What is wrong with the coordinates that the task names."""
     n = task.state_size
-    for where in ("angles", "hidden", "bounds"):
+    for where in COORDINATES:
         for i in getattr(task, where):
             if not is_whole(i, least=0) or i >= n:
                 yield f"{where} names coordinate {i!r}; a state has the coordinates 0 to {n - 1}"
@@ -124,10 +130,23 @@ def coordinate_mistakes(task: "Environment") -> Iterator[str]:
     for i, bounds in task.bounds.items():
         if not _is_interval(bounds):
             yield f"bounds[{i!r}] must be (least, greatest), two numbers, not {bounds!r}"
-    for i in sorted(set(task.angles) & set(task.hidden), key=repr):
-        yield f"coordinate {i!r} is both an angle and hidden"
+    yield from _feature_mistakes(task)
     if set(range(n)) <= set(task.hidden):
         yield "hidden names every coordinate: networks would see nothing"
+
+
+def _feature_mistakes(task: "Environment") -> Iterator[str]:
+    """What is wrong with how networks see coordinates."""
+    for i, limit in task.clipped.items():
+        if not is_number(limit) or limit <= 0:
+            yield f"clipped[{i!r}] must be a number above 0, not {limit!r}"
+        if i in task.angles or i in task.hidden:
+            yield f"coordinate {i!r} is clipped, and an angle or hidden"
+    for i in sorted(set(task.angles) & set(task.hidden), key=repr):
+        yield f"coordinate {i!r} is both an angle and hidden"
+    size = task.state_size + len(task.angles) - len(task.hidden)
+    if task.feature_order and sorted(task.feature_order, key=repr) != sorted(range(size), key=repr):
+        yield f"feature_order must hold each of 0 to {size - 1} once, not {task.feature_order!r}"
 
 
 def _is_interval(bounds: Any) -> bool:

@@ -6,7 +6,7 @@ wrongly there (`torch.linalg.lu_solve` is). Whether numbers are finite is judged
 """
 
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 import torch
@@ -36,20 +36,48 @@ class Trial(NamedTuple):
     """How to write a constant result."""
 
 
+class WithOutcome(Protocol):
+    """A task whose reward and end are torch's."""
+
+    state_size: int
+    action_size: int
+    reward_is_differentiable: bool
+    initial_states: Callable[..., Any]
+    reward: Callable[..., Any]
+    terminated: Callable[..., Any]
+
+
 def function_mistakes(task: "TorchEnvironment") -> list[str]:
     """What is wrong with the functions of a task whose sizes are right."""
+    states, actions, mistakes = _tried(task)
+    dynamics = Trial(
+        "dynamics", task.dynamics, (states, actions), [task.state_size], torch.float64, True,
+        "state.clone()",
+    )  # fmt: skip
+    return mistakes + _mistakes((dynamics, *_outcome_trials(task, states, actions)))
+
+
+def outcome_mistakes(task: WithOutcome) -> list[str]:
+    """What is wrong with the reward and the end of a task whose sizes are right."""
+    states, actions, mistakes = _tried(task)
+    return mistakes + _mistakes(_outcome_trials(task, states, actions))
+
+
+def _tried(task: WithOutcome) -> tuple[torch.Tensor, torch.Tensor, list[str]]:
+    """States [ROWS, n], actions [ROWS, m], and why the states are no start states."""
     starts, mistakes = _starts(task)
-    states = torch.from_numpy(starts)
     random = generator(0, "torch task check")
-    actions = torch.from_numpy(random.uniform(-1.0, 1.0, (ROWS, task.action_size)))
-    return mistakes + [
-        mistake
-        for trial in _trials(task, states, actions)
-        if (mistake := next(_mistake(trial), None)) is not None
-    ]
+    actions = random.uniform(-1.0, 1.0, (ROWS, task.action_size))
+    return torch.from_numpy(starts), torch.from_numpy(actions), mistakes
 
 
-def _starts(task: "TorchEnvironment") -> tuple[np.ndarray[Any, np.dtype[np.float64]], list[str]]:
+def _mistakes(trials: tuple[Trial, ...]) -> list[str]:
+    """The first mistake of each trial that has one."""
+    found = (next(_mistake(trial), None) for trial in trials)
+    return [mistake for mistake in found if mistake is not None]
+
+
+def _starts(task: WithOutcome) -> tuple[np.ndarray[Any, np.dtype[np.float64]], list[str]]:
     """Start states [ROWS, n], or any others and why."""
     try:
         return task.initial_states(range(ROWS)), []
@@ -61,16 +89,12 @@ def _starts(task: "TorchEnvironment") -> tuple[np.ndarray[Any, np.dtype[np.float
     return other, [mistake]
 
 
-def _trials(
-    task: "TorchEnvironment", states: torch.Tensor, actions: torch.Tensor
-) -> tuple[Trial, Trial, Trial]:
-    """A trial for each function; the states stand for next states too, which may be wrong."""
+def _outcome_trials(
+    task: WithOutcome, states: torch.Tensor, actions: torch.Tensor
+) -> tuple[Trial, Trial]:
+    """Trials of reward and end; the states stand for next states too, which may be wrong."""
     float64, differentiable = torch.float64, task.reward_is_differentiable is not False
     return (
-        Trial(
-            "dynamics", task.dynamics, (states, actions), [task.state_size], float64, True,
-            "state.clone()",
-        ),
         Trial(
             "reward", task.reward, (states, actions, states.flip(0)), [], float64, differentiable,
             "torch.full_like(state[0], -1.0)",

@@ -56,6 +56,8 @@ class Coordinates(NamedTuple):
     """[F], `slope_i = factor_i f_partner(i) + offset_i`."""
     offset: NDArray[np.float32]
     """[F]"""
+    limit: NDArray[np.float32]
+    """[F], from which on a feature is clipped, and its slope 0."""
 
 
 class Scaling(NamedTuple):
@@ -81,6 +83,7 @@ def coordinates_of(environment: Environment) -> Coordinates:
         features.partners,
         features.factors.astype(np.float32),
         features.offsets.astype(np.float32),
+        features.limits.astype(np.float32),
     )
 
 
@@ -215,4 +218,5 @@ def coordinate_slopes(
     for i in range(features.size):
         slope = c.factor[i] * features[c.partner[i]] + c.offset[i]
         slope *= scaling.inverse[i] * scaling.unit[c.source[i]]
-        result[i] = slope if abs(x[i]) < CLIP else real(0)
+        within = abs(x[i]) < CLIP and abs(features[i]) < c.limit[i]
+        result[i] = slope if within else real(0)

@@ -24,6 +24,7 @@ from physics.environment import (
     BoolArray,
     Environment,
     FloatArray,
+    IntArray,
     Linearization,
     NotFiniteError,
 )
@@ -53,7 +54,7 @@ def audit(environment: Environment, count: int = COUNT, seed: int = 0) -> list[R
             break
         states, actions = environment.sample(generator(seed, "audit", index), _CHUNK)
         regime_of = environment.pieces(states, actions).regime
-        rows = np.isin(regime_of, wanted)
+        rows = np.isin(regime_of, wanted) & (_ranks(regime_of) < count)
         states, actions, regime_of = states[rows], actions[rows], regime_of[rows]
         errors, bent = _examine(environment, states, actions)
         for regime in wanted:
@@ -62,6 +63,12 @@ def audit(environment: Environment, count: int = COUNT, seed: int = 0) -> list[R
             kinks, undeclared = int((here & ~compared).sum()), int((here & bent).sum())
             found[regime].append(Findings(errors[compared], kinks, undeclared))
     return [_report(environment, regime, found[regime]) for regime in regimes]
+
+
+def _ranks(regime_of: IntArray) -> IntArray:
+    """How many rows before it each row has of its own regime [batch]."""
+    same = regime_of[:, None] == regime_of[None]
+    return np.tril(same, -1).sum(axis=1)
 
 
 def _compared(findings: list[Findings]) -> int:

@@ -12,22 +12,22 @@ SHOWN = 1_000
 """So many states are looked at."""
 
 
-def failures(rows: Sequence[RegimeAudit], count: int) -> list[str]:
+def failures(rows: Sequence[RegimeAudit], count: int, tolerance: float = TOLERANCE) -> list[str]:
     """Why each regime that did not pass did not."""
     return [
-        f"NOT PASSED: {row.environment}, {row.regime}: {_reason(row, count)}"
+        f"NOT PASSED: {row.environment}, {row.regime}: {_reason(row, count, tolerance)}"
         for row in rows
-        if not row.passed(count)
+        if not row.passed(count, tolerance)
     ]
 
 
-def _reason(row: RegimeAudit, count: int) -> str:
+def _reason(row: RegimeAudit, count: int, tolerance: float) -> str:
     if row.states + row.kinks == 0:
         return "never sampled; let the task's `sample` go there"
     if not np.isfinite(row.worst) and row.states:
         return "a step, a derivative or a difference is NaN or infinite"
-    if row.worst > TOLERANCE and row.states:
-        return f"the worst error is {row.worst:.1e}, which is above {TOLERANCE:.0e}"
+    if row.worst > tolerance and row.states:
+        return f"the worst error is {row.worst:.1e}, which is above {tolerance:.0e}"
     return (
         f"{row.states:,} of {count:,} states compared, {row.kinks:,} more lie at a kink; "
         "let the task's `sample` go there more often"
@@ -42,6 +42,7 @@ def notes(environment: Environment, rows: Sequence[RegimeAudit]) -> list[str]:
         *_undeclared(environment, sum(row.undeclared for row in rows)),
         *_unsampled(environment, pieces),
         *_unknown(environment, states),
+        *(f"NOTE: {environment.name}: {each}" for each in environment.remarks(states, actions)),
     ]
 
 

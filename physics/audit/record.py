@@ -29,12 +29,12 @@ class RegimeAudit:
     undeclared: int = 0
     """How many states have a kink nearby that the task's `pieces` does not declare."""
 
-    def passed(self, count: int = COUNT) -> bool:
+    def passed(self, count: int = COUNT, tolerance: float = TOLERANCE) -> bool:
         """Whether `count` states were compared and all their errors are within the tolerance.
 
         Never with an error that is no number.
         """
-        return self.states >= count and self.worst <= TOLERANCE
+        return self.states >= count and self.worst <= tolerance
 
 
 def as_table(rows: Iterable[RegimeAudit]) -> str:

@@ -1,5 +1,7 @@
 """Gymnasium's registry: every task as `d3pg/<Name>-v0`, from the moment Gymnasium is imported.
 
+A name's slash is a hyphen there, where a slash follows the namespace: `d3pg/mujoco-Hopper-v0`.
+
 No simulator is loaded before it is made: a task's module may take seconds to load, may be an
 installed package that fails to, or may be the very one that is being imported.
 """
@@ -25,7 +27,8 @@ class TaskSpec(EnvSpec):
     @cached_property
     def max_episode_steps(self) -> int | None:  # type: ignore[override]
         """The task's horizon."""
-        return make(self.name).horizon
+        task = next((task for task in names() if _word(task) == self.name), self.name)
+        return make(task).horizon
 
     def __eq__(self, other: object) -> bool:
         """Whether the other spec says the same, whichever of the two classes it is of."""
@@ -34,22 +37,32 @@ class TaskSpec(EnvSpec):
     __hash__ = None  # type: ignore[assignment] # as every EnvSpec
 
 
+def identifier(task: str) -> str:
+    """Gymnasium's id of the task of that name."""
+    return f"d3pg/{_word(task)}-v0"
+
+
+def _word(task: str) -> str:
+    """A task's name without its slash."""
+    return task.replace("/", "-")
+
+
 def register() -> None:
     """Register every task of `physics.names()` that is not registered yet."""
     for name in names():
-        identifier = f"d3pg/{name}-v0"
-        if identifier in gymnasium.registry:
+        own = identifier(name)
+        if own in gymnasium.registry:
             continue
         try:
-            gymnasium.registry[identifier] = _spec(identifier, name)
+            gymnasium.registry[own] = _spec(own, name)
         except gymnasium.error.Error as refusal:
             gymnasium.logger.warn(f"d3pg: the task {name!r} is not registered: {refusal}")
 
 
-def _spec(identifier: str, name: str) -> TaskSpec:
-    """The spec of the task of that name."""
+def _spec(own: str, name: str) -> TaskSpec:
+    """The spec of the task of that name, under its id."""
     return TaskSpec(
-        identifier,
+        own,
         entry_point="physics.gym.env:GymnasiumEnvironment",
         vector_entry_point="physics.gym.vector_env:GymnasiumVectorEnvironment",
         kwargs={"task": name},

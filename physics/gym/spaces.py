@@ -1,7 +1,7 @@
 """Gymnasium's spaces of a task.
 
 observation   Box of the features, float64: what a network sees, to the last bit. Finite where
-              the task promises bounds: cosines and sines, `Environment.bounds`
+              the task promises bounds: cosines and sines, `Environment.bounds`, clipped features
 action        Box(-1, 1), float32, as policies give them; float64 actions are taken unrounded
 """
 
@@ -21,7 +21,8 @@ def observation_space(task: Environment) -> Box[np.float64]:
         for source in task.feature_sources.tolist()
     ]
     low, high = np.array(bounds).T
-    return Box(low, high, dtype=np.float64)
+    limits = task.feature_map.limits
+    return Box(np.maximum(low, -limits), np.minimum(high, limits), dtype=np.float64)
 
 
 def action_space(task: Environment) -> Box[np.float32]:

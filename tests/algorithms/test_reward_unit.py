@@ -12,6 +12,7 @@ from algorithms.actor_critic.learner import OffPolicyLearner
 from algorithms.learner import Learner
 from algorithms.measurement import Measurement
 from algorithms.on_policy.window_learner import WindowLearner
+from physics.catalogue import OWN
 from physics.environment import Environment
 from tests.algorithms.other_rewards import OtherRewards, constant, times
 
@@ -83,7 +84,7 @@ def actors(learner: Learner) -> list[NDArray[np.float32]]:
 @pytest.mark.parametrize(
     "case", [CASES[0], CASES[3], CASES[-2], CASES[-1]], ids=lambda case: case.name
 )
-@pytest.mark.parametrize("task", physics.names())
+@pytest.mark.parametrize("task", OWN)
 def test_the_first_losses_of_the_critic_are_small_on_every_task(task: str, case: Case) -> None:
     assert max(first_losses(physics.make(task), case)) < 100.0
 

@@ -20,13 +20,14 @@ from stable_baselines3.common.env_checker import check_env as check_env_of_stabl
 import physics
 from physics.environment import FloatArray, UnsolvedStepError
 from physics.gym.env import GymnasiumEnvironment
+from physics.gym.registration import identifier
 from physics.randomness import generator
 
 every_task = pytest.mark.parametrize("name", physics.names())
 
 
 def make(name: str, **settings: Any) -> gymnasium.Env[FloatArray, Any]:
-    return gymnasium.make(f"d3pg/{name}-v0", **settings)
+    return gymnasium.make(identifier(name), **settings)
 
 
 def bare(name: str, **settings: Any) -> GymnasiumEnvironment:

@@ -13,7 +13,7 @@ import pytest
 from gymnasium.envs.registration import EnvSpec
 
 import physics
-from physics.gym.registration import TaskSpec, register
+from physics.gym.registration import TaskSpec, identifier, register
 
 ROOT = Path(__file__).parents[3]
 
@@ -78,7 +78,7 @@ def test_importing_both_loads_no_simulator() -> None:
 
 @pytest.mark.parametrize("name", physics.names())
 def test_the_spec_of_every_task(name: str) -> None:
-    spec = gymnasium.spec(f"d3pg/{name}-v0")
+    spec = gymnasium.spec(identifier(name))
     assert spec.max_episode_steps == physics.make(name).horizon
     assert spec.namespace == "d3pg"
     assert spec.nondeterministic is False

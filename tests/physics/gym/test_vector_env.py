@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 import physics
 from physics.environment import Environment
+from physics.gym.registration import identifier
 from physics.gym.vector_env import GymnasiumVectorEnvironment
 from physics.randomness import generator
 
@@ -31,14 +32,14 @@ every_mode = pytest.mark.parametrize("mode", list(AutoresetMode))
 
 
 def native(name: str, rows: int = ROWS, **settings: Any) -> GymnasiumVectorEnvironment:
-    made = gymnasium.make_vec(f"d3pg/{name}-v0", num_envs=rows, **settings)
+    made = gymnasium.make_vec(identifier(name), num_envs=rows, **settings)
     assert isinstance(made, GymnasiumVectorEnvironment)
     return made
 
 
 def synchronous(name: str, mode: AutoresetMode, rows: int = ROWS, **settings: Any) -> Vector:
     return gymnasium.make_vec(
-        f"d3pg/{name}-v0",
+        identifier(name),
         num_envs=rows,
         vectorization_mode="sync",
         vector_kwargs={"autoreset_mode": mode},
@@ -108,7 +109,7 @@ def test_rows_restarted_under_way_equal_gymnasiums_loop(mode: AutoresetMode) -> 
 def test_each_row_walks_the_single_ones_episode(name: str) -> None:
     vector = native(name, rows=3)
     observations, infos = vector.reset(seed=7)
-    singles = [gymnasium.make(f"d3pg/{name}-v0") for _ in range(3)]
+    singles = [gymnasium.make(identifier(name)) for _ in range(3)]
     for row, single in enumerate(singles):
         observation, _ = single.reset(seed=7 + row)
         np.testing.assert_array_equal(observations[row], observation)

@@ -1,0 +1,27 @@
+"""JAX as tasks use it: in float64, on the CPU and one thread; or what to install.
+
+A program's own configuration of JAX is left alone. The number of threads is settled when JAX first
+computes: this module must be imported before.
+"""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+ONE_THREAD = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
+os.environ["XLA_FLAGS"] = f"{os.environ.get('XLA_FLAGS', '')} {ONE_THREAD}".strip()
+
+try:
+    import jax as jax  # noqa: PLC0414 - for the modules beside this one
+    import jax.numpy as jnp  # noqa: F401
+except ModuleNotFoundError as error:
+    raise ModuleNotFoundError(
+        "tasks of JAX functions need the package jax: pip install 'd3pg[jax]'", name="jax"
+    ) from error
+
+
+@contextmanager
+def float64_on_cpu() -> Iterator[None]:
+    """Compute in float64 on the CPU, whatever the program has configured."""
+    with jax.enable_x64(True), jax.default_device(jax.devices("cpu")[0]):
+        yield
