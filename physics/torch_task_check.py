@@ -6,7 +6,7 @@ wrongly there (`torch.linalg.lu_solve` is). Whether numbers are finite is judged
 """
 
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, Union
 
 import numpy as np
 import torch
@@ -15,7 +15,11 @@ from torch.func import jacrev, vmap
 from physics.randomness import generator
 
 if TYPE_CHECKING:
+    from physics.mujoco.torch_functions import TorchMujocoTask
     from physics.torch_environment import TorchEnvironment
+
+WithOutcome: TypeAlias = Union["TorchEnvironment", "TorchMujocoTask"]
+"""A task whose reward and end are torch's."""
 
 ROWS = 3
 SAME = 1e-9
@@ -34,17 +38,6 @@ class Trial(NamedTuple):
     differentiated: bool
     constant: str
     """How to write a constant result."""
-
-
-class WithOutcome(Protocol):
-    """A task whose reward and end are torch's."""
-
-    state_size: int
-    action_size: int
-    reward_is_differentiable: bool
-    initial_states: Callable[..., Any]
-    reward: Callable[..., Any]
-    terminated: Callable[..., Any]
 
 
 def function_mistakes(task: "TorchEnvironment") -> list[str]:

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,11 +14,9 @@ from physics.mujoco import MujocoTask, task
 from tests.physics.mujoco.models import ARM, FREE, distance, nearness
 
 
-def arm(**changes: object) -> MujocoTask:
+def arm(**changes: Any) -> MujocoTask:
     """The arm, stretched along x."""
-    return task(  # type: ignore[call-arg]
-        ARM, nearness, name="Arm", horizon=9, max_reward=0.0, measure=distance, **changes
-    )()
+    return task(ARM, nearness, name="Arm", horizon=9, max_reward=0.0, measure=distance, **changes)()
 
 
 def test_shapes_are_the_geoms_in_the_plane() -> None:
