@@ -58,6 +58,18 @@ def test_a_box_is_its_outline_and_the_ground_a_line_below() -> None:
     assert left < 5.0 < right, "the view moves along"
 
 
+def test_a_model_without_geoms_has_a_view() -> None:
+    bare = task(
+        '<mujoco><worldbody><body><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
+        '<joint name="slide" type="slide" axis="1 0 0"/></body></worldbody>'
+        '<actuator><motor joint="slide"/></actuator></mujoco>',
+        lambda s, a, n: -(n[0] ** 2), name="Bare", horizon=9, max_reward=0.0,
+    )()  # fmt: skip
+    left, bottom, right, top = bare.draw(bare.initial_states([0])[0]).view
+    assert left < 0.0 < right
+    assert bottom < 0.0 < top
+
+
 @pytest.mark.parametrize(("library", "works"), [("egl", None), ("glfw", False)])
 def test_mujocos_renderer_or_a_sentence(library: str, works: bool | None) -> None:
     """Whether EGL works depends on the machine; without a screen GLFW does not."""
