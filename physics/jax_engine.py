@@ -8,12 +8,14 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+__all__ = ["float64_on_cpu", "jax", "jnp"]
+
 ONE_THREAD = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
 os.environ["XLA_FLAGS"] = f"{os.environ.get('XLA_FLAGS', '')} {ONE_THREAD}".strip()
 
 try:
-    import jax as jax  # noqa: PLC0414 - for the modules beside this one
-    import jax.numpy as jnp  # noqa: F401
+    import jax
+    import jax.numpy as jnp
 except ModuleNotFoundError as error:
     raise ModuleNotFoundError(
         "tasks of JAX functions need the package jax: pip install 'd3pg[jax]'", name="jax"

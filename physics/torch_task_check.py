@@ -8,7 +8,7 @@ wrongly there (`torch.linalg.lu_solve` is). Whether numbers are finite is judged
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import CodeType
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, Union
 
 import numpy as np
 import torch
@@ -17,7 +17,11 @@ from torch.func import jacrev, vmap
 from physics.randomness import generator
 
 if TYPE_CHECKING:
+    from physics.mujoco.torch_functions import TorchMujocoTask
     from physics.torch_environment import TorchEnvironment
+
+WithOutcome: TypeAlias = Union["TorchEnvironment", "TorchMujocoTask"]
+"""A task whose reward and end are torch's."""
 
 ROWS = 3
 SAME = 1e-9

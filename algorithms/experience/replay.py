@@ -30,6 +30,7 @@ from algorithms.networks.scaling import (
     Coordinates,
     Scaling,
     coordinate_slopes,
+    forget_clipped,
     normalise,
 )
 from algorithms.state import State
@@ -216,6 +217,7 @@ def draw_derivatives(
     for row in range(indices.size):
         k = indices[row]
         coordinate_slopes(memory.features[k], batch.x[row], coordinates, scaling, batch.slopes[row])
+        forget_clipped(memory.features[k], coordinates, batch.slopes[row])
         k = indices[(row + shift) % indices.size]
         for j in range(columns):
             unit = scaling.unit[j] / scaling.value_std

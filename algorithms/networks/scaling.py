@@ -218,5 +218,15 @@ def coordinate_slopes(
     for i in range(features.size):
         slope = c.factor[i] * features[c.partner[i]] + c.offset[i]
         slope *= scaling.inverse[i] * scaling.unit[c.source[i]]
-        within = abs(x[i]) < CLIP and abs(features[i]) < c.limit[i]
-        result[i] = slope if within else real(0)
+        result[i] = slope if abs(x[i]) < CLIP else real(0)
+
+
+@compiled_fast
+def forget_clipped(features: Array, c: Coordinates, slopes: Array) -> None:
+    """Set the slopes [F] of features that are clipped to 0, after `coordinate_slopes`.
+
+    By itself: a condition more in that loop would be compiled to other roundings.
+    """
+    for i in range(features.size):
+        if abs(features[i]) >= c.limit[i]:
+            slopes[i] = slopes.dtype.type(0)

@@ -67,8 +67,8 @@ def audit(environment: Environment, count: int = COUNT, seed: int = 0) -> list[R
 
 def _ranks(regime_of: IntArray) -> IntArray:
     """How many rows before it each row has of its own regime [batch]."""
-    same = regime_of[:, None] == regime_of[None]
-    return np.tril(same, -1).sum(axis=1)
+    ranks: IntArray = np.tril(regime_of[:, None] == regime_of[None], -1).sum(axis=1)
+    return ranks
 
 
 def _compared(findings: list[Findings]) -> int:
@@ -78,7 +78,7 @@ def _compared(findings: list[Findings]) -> int:
 def _report(environment: Environment, regime: int, findings: list[Findings]) -> RegimeAudit:
     errors = np.concatenate([np.empty(0), *(each.errors for each in findings)])
     return RegimeAudit(
-        environment.label,
+        environment.name,
         environment.version,
         environment.regimes[regime],
         len(errors),

@@ -45,7 +45,7 @@ from physics.mujoco.engine import mujoco
 from physics.mujoco.model import Model, can_be_limited, can_touch, compiled
 from physics.mujoco.picture import AXES, Frame, Plane, drawing, frame_of, photograph
 from physics.mujoco.remarks import remarks
-from physics.mujoco.simulation import Measure, Simulation
+from physics.mujoco.simulation import Simulation
 from physics.row_checks import float64_vector
 
 EXPLORED = 50
@@ -59,8 +59,9 @@ class MujocoTask(Environment):
     """The model: a file, or its text."""
     substeps: ClassVar[int] = 1
     """Steps of the model in a step of the task."""
-    measure: ClassVar[Measure | None] = None
-    """Of MuJoCo's model and data, numbers [k] that a state holds beside its coordinates."""
+    measure: ClassVar[Any] = None
+    """A static method of MuJoCo's model and data, or None: the numbers [k] that a state holds
+    beside its coordinates."""
     measures_as_left: ClassVar[bool] = False
     """If True, measures are taken from the data as the last substep left it, whose positions are
     still those of its last stage (Gymnasium's tasks are like this); if False, after `mj_forward`,

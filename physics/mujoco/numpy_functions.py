@@ -76,7 +76,7 @@ class NumpyMujocoTask(MujocoTask):
             ahead[i] += width
             behind[i] -= width
             high, low = (
-                self.reward(*arguments[:place], moved, *arguments[place + 1 :])
+                self.reward(*[moved if k == place else each for k, each in enumerate(arguments)])
                 for moved in (ahead, behind)
             )
             gradient[i] = (high - low) / (2.0 * width)

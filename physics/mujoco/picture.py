@@ -20,6 +20,8 @@ AXES: dict[Plane, tuple[int, int]] = {"xz": (0, 2), "xy": (0, 1), "yz": (1, 2)}
 """Plane -> the axes that point right and up."""
 ROOM = 0.85
 """Half the width of the view, in widths of the model."""
+NARROWEST = 0.1
+"""The least width of a model (m) for its view."""
 SHAPE = 0.6
 """The height of the view, in its widths."""
 LAST_SHOWN_GROUP = 2
@@ -38,9 +40,11 @@ class Frame(NamedTuple):
 def frame_of(model: Any, data: Any, plane: Plane) -> Frame:
     """The frame of a model whose data is at rest: all of it but grounds, and room around."""
     axes, solid = list(AXES[plane]), model.geom_type != _GEOM.mjGEOM_PLANE
-    places, reach = data.geom_xpos[solid][:, axes], model.geom_rbound[solid, None]
+    # Bodies too: they need no geoms.
+    places = np.concatenate([data.geom_xpos[solid], data.xpos])[:, axes]
+    reach = np.concatenate([model.geom_rbound[solid], np.zeros(model.nbody)])[:, None]
     low, high = (places - reach).min(axis=0), (places + reach).max(axis=0)
-    width = max((high - low) / (1.0, SHAPE))
+    width = max(*((high - low) / (1.0, SHAPE)), NARROWEST)
     return Frame((low + high) / 2, ROOM * width * np.array([1.0, SHAPE]))
 
 

@@ -15,7 +15,7 @@ from physics.mujoco.engine import mujoco
 from physics.mujoco.model import STATE, actuators_of
 from physics.mujoco.tangent import quaternions_of
 
-Measure = Callable[[Any, Any], FloatArray]
+Measure = Callable[..., FloatArray]
 """Of MuJoCo's model and data, what a state holds beside its coordinates [k]."""
 
 

@@ -13,7 +13,10 @@ import algorithms
 from algorithms.measurement import Measurement
 from tests.docs.pages import PAGES, ROOT, blocks, name_of
 
-AS_SHOWN = ("docs/diagnostics.md", "docs/gymnasium.md", "docs/policies.md", "docs/simulators.md")
+AS_SHOWN = (
+    "docs/diagnostics.md", "docs/gymnasium.md", "docs/jax.md", "docs/mujoco.md",
+    "docs/policies.md", "docs/simulators.md",
+)  # fmt: skip
 SHORTENED = ("README.md", "docs/training.md")
 ELSEWHERE = {
     "docs/add-a-learner.md": "tests/algorithms/test_add_a_learner.py",

@@ -54,7 +54,7 @@ def test_compiling_reports_each_task() -> None:
 
 @pytest.mark.parametrize("statement", ["import physics", "import physics; physics.names()"])
 def test_importing_is_light(statement: str) -> None:
-    heavy = "sorted({'torch', 'numba', 'gymnasium'} & set(sys.modules))"
+    heavy = "sorted({'torch', 'numba', 'gymnasium', 'mujoco', 'jax'} & set(sys.modules))"
     answer = subprocess.run(
         [sys.executable, "-c", f"{statement}; import sys; print({heavy})"],
         capture_output=True,

@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 import torch
 
-from algorithms.networks.scaling import Statistics, coordinate_slopes, coordinates_of
+from algorithms.networks.scaling import (
+    Statistics,
+    coordinate_slopes,
+    coordinates_of,
+    forget_clipped,
+)
 from physics.features import FeatureMap
 from physics.gym.spaces import observation_space
 from tests.physics.small_tasks import Plain
@@ -46,6 +51,7 @@ def test_a_learner_has_no_slope_where_a_feature_is_clipped() -> None:
         features = task.features(np.array([[0.1, speed]]))[0].astype(np.float32)
         found = np.empty(2, np.float32)
         coordinate_slopes(features, features, coordinates, scaling, found)
+        forget_clipped(features, coordinates, found)
         np.testing.assert_allclose(found, [slope, 1.0], rtol=1e-6)
 
 

@@ -78,7 +78,9 @@ def test_all_numbers_are_those_of_torch() -> None:
     for one, other in zip(
         [*found.transition, *found[1:]], [*expected.transition, *expected[1:]], strict=True
     ):
-        np.testing.assert_allclose(one, other, rtol=1e-12, atol=1e-13)
+        np.testing.assert_allclose(
+            one.astype(np.float64), other.astype(np.float64), rtol=1e-12, atol=1e-13
+        )
     assert 0 < found.transition.terminated.sum() < 50
 
 

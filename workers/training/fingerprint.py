@@ -9,6 +9,7 @@ import platform
 from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import version
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,10 @@ import numpy
 import scipy.linalg.cython_blas
 import threadpoolctl
 
-PACKAGES = ("numpy", "numba", "llvmlite", "scipy", "torch")
+PACKAGES = ("numpy", "numba", "llvmlite", "scipy", "torch", "gymnasium")
+"""Gymnasium brings the models of the ready-made MuJoCo tasks."""
+EXTRAS = ("mujoco", "jax", "jaxlib")
+"""Packages that tasks may be of, where they are installed."""
 MULTIPLIERS = (numpy, scipy)
 """Packages whose BLAS the learners multiply with; numba's `np.dot` takes scipy's. Both are loaded
 here, so that a fingerprint never depends on what else a process has imported by then."""
@@ -38,6 +42,7 @@ def fingerprint() -> Mapping[str, Any]:
         "python": platform.python_version(),
         "system": f"{platform.system()} {platform.machine()} {platform.libc_ver()[1]}",
         **{package: version(package) for package in PACKAGES},
+        **{package: version(package) for package in EXTRAS if find_spec(package)},
         "processor": llvmlite.binding.get_host_cpu_name(),
         "processor_features": hashlib.sha256(enabled.encode()).hexdigest()[:16],
         "blas": _blas(),

@@ -60,8 +60,9 @@ class Reacher(MujocoTask):
     ) -> FloatArray:
         """The distance and the control, as costs."""
         del states
-        costs = np.linalg.norm(next_states[:, 8:], axis=1) + np.square(actions).sum(axis=1)
-        return -costs
+        distance = np.linalg.norm(next_states[:, 8:], axis=1)
+        earned: FloatArray = -distance - np.square(actions).sum(axis=1)
+        return earned
 
     def reward_gradients(
         self, states: FloatArray, actions: FloatArray, next_states: FloatArray

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,11 +14,9 @@ from physics.mujoco import MujocoTask, task
 from tests.physics.mujoco.models import ARM, FREE, distance, nearness
 
 
-def arm(**changes: object) -> MujocoTask:
+def arm(**changes: Any) -> MujocoTask:
     """The arm, stretched along x."""
-    return task(  # type: ignore[call-arg]
-        ARM, nearness, name="Arm", horizon=9, max_reward=0.0, measure=distance, **changes
-    )()
+    return task(ARM, nearness, name="Arm", horizon=9, max_reward=0.0, measure=distance, **changes)()
 
 
 def test_shapes_are_the_geoms_in_the_plane() -> None:
@@ -57,6 +56,18 @@ def test_a_box_is_its_outline_and_the_ground_a_line_below() -> None:
     moved[:3] += [5.0, 0.0, 0.0]
     left, _, right, _ = tumbling.draw(moved).view
     assert left < 5.0 < right, "the view moves along"
+
+
+def test_a_model_without_geoms_has_a_view() -> None:
+    bare = task(
+        '<mujoco><worldbody><body><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
+        '<joint name="slide" type="slide" axis="1 0 0"/></body></worldbody>'
+        '<actuator><motor joint="slide"/></actuator></mujoco>',
+        lambda s, a, n: -(n[0] ** 2), name="Bare", horizon=9, max_reward=0.0,
+    )()  # fmt: skip
+    left, bottom, right, top = bare.draw(bare.initial_states([0])[0]).view
+    assert left < 0.0 < right
+    assert bottom < 0.0 < top
 
 
 @pytest.mark.parametrize(("library", "works"), [("egl", None), ("glfw", False)])

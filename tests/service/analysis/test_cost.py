@@ -65,8 +65,11 @@ def test_built_in_figures_cover_all_that_can_be_trained() -> None:
     assert all(value > 0 for value in figures.values())
 
 
-def test_an_algorithm_of_others_is_not_known() -> None:
-    found = cost(RunSpec("mine", "Pendulum", 0))
+@pytest.mark.parametrize(("algorithm", "task"), [("mine", "Pendulum"), ("ddpg", "mujoco/Hopper")])
+def test_an_algorithm_of_others_and_a_task_of_an_extra_are_not_known(
+    algorithm: str, task: str
+) -> None:
+    found = cost(RunSpec(algorithm, task, 0))
     assert (found.basis, found.runs) == ("unknown", 0)
     assert math.isnan(found.core_seconds)
 

@@ -5,6 +5,8 @@ import os
 import subprocess
 import sys
 
+import pytest
+
 from workers.training import fingerprint as module
 from workers.training.fingerprint import code_hash, fingerprint
 
@@ -38,3 +40,11 @@ def test_names_what_it_hashed() -> None:
     assert fingerprint()["code"] == code_hash()
     assert len(code_hash()) == 64
     assert module.SOURCES == ("physics", "algorithms")
+
+
+def test_extras_are_in_it_where_they_are_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "EXTRAS", ("numba", "no_such_package"))
+    monkeypatch.setattr(module, "PACKAGES", ())
+    found = module.fingerprint.__wrapped__()
+    assert "numba" in found
+    assert "no_such_package" not in found
