@@ -9,15 +9,19 @@ The Jacobians are a function of the state and the action in turn: a task of torc
 differentiated as often as asked, a compiled one once.
 """
 
+from collections.abc import Mapping
 from contextlib import AbstractContextManager
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import torch
 from torch.autograd import forward_ad
+from torch.autograd.function import once_differentiable
 from torch.func import jacrev, vmap
 
 from physics.environment import Environment
-from physics.torch_environment import Tensors, TorchEnvironment, gradients_enabled
+from physics.torch_environment import TorchEnvironment, gradients_enabled
+from physics.torch_trace import Tensors
 
 
 class TorchTransition(NamedTuple):
@@ -32,9 +36,15 @@ class TorchTransition(NamedTuple):
 
 
 def torch_step(
-    environment: Environment, states: torch.Tensor, actions: torch.Tensor
+    environment: Environment,
+    states: torch.Tensor,
+    actions: torch.Tensor,
+    parameters: Mapping[str, torch.Tensor] = MappingProxyType({}),
 ) -> TorchTransition:
     """Advance states [batch, n] by one step; gradients flow to states and actions.
+
+    They also flow to `parameters`, values [] of the task's physical parameters by name, which
+    replace those of the task. For a compiled task that is the first derivative by reverse mode.
 
     It works in float64, whatever the dtypes: next states and rewards have the dtype of `states`, a
     gradient that of what it belongs to. `torch.func` can transform it in any grad mode, and
@@ -44,19 +54,48 @@ def torch_step(
     torch's error.
 
     Raises:
-        ValueError: for anything but floating-point tensors on the CPU, and as `Environment.step`.
+        ValueError: for anything but floating-point tensors on the CPU, for unknown parameters and
+            values out of their ranges, and as `Environment.step`.
+        NotImplementedError: for the gradient in the parameters of a task that has none.
         RuntimeError: for a second derivative of a task that is no `TorchEnvironment`.
     """
-    for what, tensor in (("states", states), ("actions", actions)):
+    for what, tensor in (("states", states), ("actions", actions), *parameters.items()):
         if not tensor.dtype.is_floating_point or tensor.device.type != "cpu":
             raise ValueError(
                 f"{what} must be a floating-point tensor on the CPU, "
                 f"not {tensor.dtype} on {tensor.device}"
             )
-    next_state, reward, terminated = _uncompiled_step(
-        environment, states.to(torch.float64), actions.to(torch.float64)
-    )
+    if parameters:
+        found = _parametric_step(environment, states, actions, parameters)
+    else:
+        found = _uncompiled_step(environment, states.to(torch.float64), actions.to(torch.float64))
+    next_state, reward, terminated = found
     return TorchTransition(next_state.to(states.dtype), reward.to(states.dtype), terminated)
+
+
+def _parametric_step(
+    environment: Environment,
+    states: torch.Tensor,
+    actions: torch.Tensor,
+    parameters: Mapping[str, torch.Tensor],
+) -> Tensors:
+    """The step of the task with these values. For errors see `torch_step`."""
+    for name, value in parameters.items():
+        if value.ndim:
+            raise ValueError(f"{name} must be a tensor [], not {list(value.shape)}")
+    task = environment.with_parameters(
+        **{name: float(each.detach()) for name, each in parameters.items()}
+    )
+    rows = states.to(torch.float64), actions.to(torch.float64)
+    values = {name: value.to(torch.float64) for name, value in parameters.items()}
+    if isinstance(task, TorchEnvironment):
+        task.check_inside(*(each.detach().numpy() for each in rows))
+        return task.with_tensors(values).transitions(*rows)
+    others = torch.from_numpy(task.parameter_values)
+    place = {name: i for i, name in enumerate(task.parameters)}
+    vector = torch.stack([values.get(name, others[i]) for name, i in place.items()])
+    found: Tensors = _ParametricStep.apply(task, vector, *rows)  # type: ignore[no-untyped-call]
+    return found
 
 
 class _OfRows(torch.autograd.Function):
@@ -136,6 +175,42 @@ class _Step(_OfRows):
 
 # A compiler would trace numpy and numba within.
 _uncompiled_step: Any = torch.compiler.disable(_Step.of)  # type: ignore[no-untyped-call]
+
+
+class _ParametricStep(torch.autograd.Function):
+    """The transition of a compiled task as a function of its parameters [k], too."""
+
+    @staticmethod
+    def forward(
+        context: Any,
+        environment: Environment,
+        values: torch.Tensor,
+        states: torch.Tensor,
+        actions: torch.Tensor,
+    ) -> Tensors:
+        del values  # those of the environment
+        context.environment = environment
+        context.save_for_backward(states, actions)
+        transition = environment.step(states.numpy(), actions.numpy())
+        next_state, reward, terminated = map(torch.from_numpy, transition)
+        constant = [terminated] if environment.reward_is_differentiable else [terminated, reward]
+        context.mark_non_differentiable(*constant)
+        return next_state, reward, terminated
+
+    @staticmethod
+    @once_differentiable
+    def backward(
+        context: Any, next_gradient: torch.Tensor, reward_gradient: torch.Tensor, _: Any
+    ) -> tuple[None, torch.Tensor | None, torch.Tensor, torch.Tensor]:
+        task, rows = context.environment, [each.numpy() for each in context.saved_tensors]
+        J_s, J_a, r_s, r_a, r_next = map(torch.from_numpy, task.differentiate(*rows)[1:])
+        by_reward = reward_gradient[:, None]
+        arriving = next_gradient + by_reward * r_next
+        by_state = torch.einsum("bi,bij->bj", arriving, J_s) + by_reward * r_s
+        by_action = torch.einsum("bi,bij->bj", arriving, J_a) + by_reward * r_a
+        J_p, r_p = map(torch.from_numpy, task.differentiate_parameters(*rows))
+        by_value = torch.einsum("bi,bij->j", arriving, J_p) + reward_gradient @ r_p
+        return None, by_value, by_state, by_action
 
 
 class _Derivatives(_OfRows):

@@ -90,6 +90,15 @@ class Pieces(NamedTuple):
     """[batch, k]: two steps lie on the same smooth piece if and only if their rows are equal."""
 
 
+class ParameterDerivatives(NamedTuple):
+    """The derivatives of one step of each row of a batch in the task's k parameters."""
+
+    next_state: FloatArray
+    """[batch, n, k], `d next_state_i / d parameter_j`."""
+    reward: FloatArray
+    """[batch, k], partial derivative of `r(s, a, s')`, with s' held."""
+
+
 class UnsolvedStepError(ArithmeticError):
     """A step whose equations could not be solved; its message holds the state and the action."""
 
@@ -133,6 +142,8 @@ class Environment(metaclass=CheckedWhenMade):
     has no solution."""
     differentiate_kernel: Callable[..., int]
     """`(s, a, *transition, *derivatives)` does the same with all fields of a Linearization."""
+    parameter_kernel: Callable[..., None] | None = None
+    """`(s, a, *derivatives)` fills ParameterDerivatives, which are 0 before; None without them."""
 
     changed: Mapping[str, Any] = MappingProxyType({})
     """The parameters that have other values than their defaults or were given them, by name."""
@@ -143,7 +154,7 @@ class Environment(metaclass=CheckedWhenMade):
         Raises:
             ValueError: for every name that is no parameter and every value out of its range.
         """
-        return self._with(checked(self.name, declared(type(self)).values(), values))
+        return self._changed(checked(self.name, declared(type(self)).values(), values))
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -155,14 +166,24 @@ class Environment(metaclass=CheckedWhenMade):
         """The name, and the values of the parameters that were given: `Pendulum(gravity=9.81)`."""
         return label(self.name, self.changed)
 
-    def _with(self, values: Mapping[str, Any]) -> Self:
-        """A copy with these values, floats or tensors; what followed from others is dropped."""
+    def _changed(self, values: Mapping[str, Any]) -> Self:
+        """A copy with these values, floats or tensors."""
         other = copy(self)
-        for name in vars(self):
-            if isinstance(getattr(type(self), name, None), cached_property):
-                del vars(other)[name]
         other.changed = {**self.changed, **values}
         return other
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What a copy takes over: all but what follows from the rest when it is first asked for."""
+        return {
+            name: value
+            for name, value in vars(self).items()
+            if not isinstance(getattr(type(self), name, None), cached_property)
+        }
+
+    @cached_property
+    def parameter_values(self) -> FloatArray:
+        """The values of all parameters [k], in the order in which they are declared."""
+        return np.array(list(self.parameters.values()), np.float64)
 
     @cached_property
     def feature_map(self) -> FeatureMap:
@@ -228,6 +249,24 @@ class Environment(metaclass=CheckedWhenMade):
             del quantities["transition"]
             raise self._not_finite(states, actions, quantities)
         return linearization
+
+    def differentiate_parameters(
+        self, states: FloatArray, actions: FloatArray
+    ) -> ParameterDerivatives:
+        """The derivatives of one step in the parameters; for `torch_step`.
+
+        Raises:
+            ValueError, DomainError, NotFiniteError: as `step`.
+            NotImplementedError: for a compiled task without these derivatives.
+        """
+        kernel = self.parameter_kernel
+        if kernel is None:
+            raise NotImplementedError(f"{self.name} has no derivatives in its parameters")
+        states, actions = self._checked(states, actions)
+        batch, k = len(states), len(self.parameter_values)
+        found = ParameterDerivatives(np.zeros((batch, self.state_size, k)), np.zeros((batch, k)))
+        kernel(states, actions, *found)
+        return found
 
     def initial_states(self, seeds: Sequence[int] | IntArray) -> FloatArray:
         """Start states [len(seeds), n]; row i depends on `seeds[i]` alone.

@@ -8,9 +8,10 @@ with other values is written `Pendulum(gravity=9.81)`: its label, which `physics
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import partial
 from inspect import getattr_static
 from math import isfinite
 from numbers import Real
@@ -61,6 +62,22 @@ class Parameter:
             f"{self.name} must be a number from {number_text(self.least)} to "
             f"{number_text(self.greatest)}{unit}, not {value!r}"
         )
+
+
+class WithParameters:
+    """A kernel whose first argument is the values of its task's parameters, float64 [k].
+
+    They come in the order of their declaration, and are no constants of the compiled code: other
+    values do not compile it again.
+    """
+
+    def __init__(self, kernel: Callable[..., Any]) -> None:
+        """Wrap a kernel, as the attribute of a class of tasks."""
+        self._kernel = kernel
+
+    def __get__(self, task: Any, owner: type) -> Any:
+        """The kernel with the values of the task."""
+        return self if task is None else partial(self._kernel, task.parameter_values)
 
 
 def declared(cls: type) -> dict[str, Parameter]:
@@ -139,6 +156,14 @@ def parse(text: str) -> tuple[str, dict[str, float]]:
             raise ValueError(f"{text!r}: expected name=number, each name once, not {each!r}")
         values[name] = number
     return found["name"], values
+
+
+def relabelled(text: str) -> str:
+    """A label as `label` writes it; text that is none stays as it is."""
+    try:
+        return label(*parse(text))
+    except ValueError:
+        return text
 
 
 def number_text(value: float) -> str:

@@ -5,7 +5,8 @@ The author writes the dynamics and the reward of one state; batches and Jacobian
     s' = dynamics(s, u),    r = reward(s, u, s'),    u = clip(a, -1, 1)
     J_s = d dynamics / ds,  J_a = d dynamics / du where a lies in the box, 0 elsewhere
 
-It costs some milliseconds a call, where a compiled task costs microseconds: the quick way to a new
+The functions are traced at the first call (`physics/torch_trace.py`). A call then costs some tenths
+of a millisecond for a small task, where a compiled one costs microseconds: the quick way to a new
 task, not the fast one.
 
 torch may choose another kernel, and round differently, for another batch size. So every call works
@@ -17,20 +18,21 @@ every call of an author's function is made with gradients enabled, whatever mode
 """
 
 from abc import abstractmethod
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any
+from functools import cached_property
+from typing import Any, Self
 
 import numpy as np
 import torch
 from torch.func import grad, jacrev, vmap
 
 from physics.environment import BoolArray, Environment, FloatArray
+from physics.randomness import generator
 from physics.torch_task_check import function_mistakes
+from physics.torch_trace import Function, Tensors, traced
 
 _BLOCK = 64
-
-Tensors = tuple[torch.Tensor, ...]
 
 
 @contextmanager
@@ -74,14 +76,34 @@ class TorchEnvironment(Environment):
         terminated: BoolArray,
     ) -> int:
         """Step every row; see `Environment.step_kernel`."""
-        _fill(self._transitions, states, actions, (next_states, rewards, terminated))
+        if len(states):
+            _fill(self._step_function, states, actions, (next_states, rewards, terminated))
         return -1
 
     def differentiate_kernel(self, states: FloatArray, actions: FloatArray, *outputs: Any) -> int:
         """Step and differentiate every row; see `Environment.differentiate_kernel`."""
-        _fill(self._transitions, states, actions, outputs[:3])
-        _fill(self.derivatives, states, actions, outputs[3:])
+        if len(states):
+            _fill(self._differentiate_function, states, actions, outputs)
         return -1
+
+    @cached_property
+    def _step_function(self) -> Function:
+        return self._traced(self.transitions)
+
+    @cached_property
+    def _differentiate_function(self) -> Function:
+        return self._traced(self._linearizations)
+
+    def _traced(self, function: Function) -> Function:
+        """The function as it is called for blocks, traced on start states."""
+        states = self.initial_states(range(_BLOCK))
+        actions = generator(0, "torch trace").uniform(-1.5, 1.5, (_BLOCK, self.action_size))
+        with gradients_enabled():
+            return traced(function, torch.from_numpy(states), torch.from_numpy(actions))
+
+    def _linearizations(self, states: torch.Tensor, actions: torch.Tensor) -> Tensors:
+        """The transition and its derivatives."""
+        return *self.transitions(states, actions), *self.derivatives(states, actions)
 
     def derivatives(self, states: torch.Tensor, actions: torch.Tensor) -> Tensors:
         """The derivatives of a `Linearization` in its order, themselves differentiable.
@@ -108,8 +130,12 @@ class TorchEnvironment(Environment):
         gradients: Callable[..., Tensors] = grad(self.reward, argnums=(0, 1, 2))
         return gradients(state, action, following)
 
-    def _transitions(self, states: torch.Tensor, actions: torch.Tensor) -> Tensors:
-        """The fields of a `Transition`."""
+    def with_tensors(self, values: Mapping[str, torch.Tensor]) -> Self:
+        """The same task with tensors [] as values of parameters, to be differentiated in them."""
+        return self._changed(values)
+
+    def transitions(self, states: torch.Tensor, actions: torch.Tensor) -> Tensors:
+        """The fields of a `Transition` of rows, differentiable."""
         return vmap(self._transition)(states, actions.clamp(-1.0, 1.0))
 
     def _transition(self, state: torch.Tensor, action: torch.Tensor) -> Tensors:
@@ -118,7 +144,7 @@ class TorchEnvironment(Environment):
 
 
 def _fill(
-    function: Callable[[torch.Tensor, torch.Tensor], Tensors],
+    function: Function,
     states: FloatArray,
     actions: FloatArray,
     outputs: tuple[FloatArray | BoolArray, ...],

@@ -26,6 +26,7 @@ Glossary:
 """
 
 import math
+from functools import cached_property
 
 import numpy as np
 
@@ -39,6 +40,7 @@ from physics.environment import (
     clip_sides,
 )
 from physics.kernels.compiled import compiled
+from physics.parameter import Parameter
 from physics.tasks.ball_motion import (
     DT,
     HAND_X,
@@ -118,21 +120,14 @@ class BallWall(Environment):
     rounding = 4e-15  # contact multiplies that of a place by some hundred
     regimes = ("flight", "clipped", "ground", "wall", "top of the wall")
 
-    def __init__(self, stiffness: float = USUAL) -> None:
-        """Make it of some stiffness.
+    stiffness = Parameter(
+        USUAL, "N/m", least=SOFTEST, greatest=STIFFEST, meaning="of ball against ground and wall"
+    )
 
-        Args:
-            stiffness: of ball against ground and wall (N/m), from SOFTEST to STIFFEST.
-
-        Raises:
-            ValueError: for another stiffness.
-        """
-        if not SOFTEST <= stiffness <= STIFFEST:
-            raise ValueError(
-                f"stiffness must be from {SOFTEST:g} to {STIFFEST:g} N/m, not {stiffness!r}"
-            )
-        self.stiffness = float(stiffness)
-        self.substeps = math.ceil(DT * math.sqrt(stiffness) / 0.1)
+    @cached_property
+    def substeps(self) -> int:
+        """Of a step: as many as its stiffness needs."""
+        return math.ceil(DT * math.sqrt(self.stiffness) / 0.1)
 
     def step_kernel(
         self,

@@ -14,17 +14,19 @@ from types import MappingProxyType
 
 import numpy as np
 
-from physics.drawing import Drawing
-from physics.environment import BoolArray, Environment, FloatArray
+from physics.environment import BoolArray, FloatArray
 from physics.kernels.compiled import compiled
+from physics.parameter import WithParameters
 from physics.tasks.cart_and_pole import (
     DT,
     TRACK,
+    CartAndPole,
     acceleration_slopes,
     accelerations,
-    draw_cart_and_pole,
     force_of,
     force_slope,
+    machine_of,
+    parameter_slopes,
 )
 
 MAX_ANGLE = 12 * 2 * math.pi / 360
@@ -32,6 +34,7 @@ MAX_ANGLE = 12 * 2 * math.pi / 360
 
 @compiled
 def step_rows(
+    p: FloatArray,
     states: FloatArray,
     actions: FloatArray,
     next_states: FloatArray,
@@ -39,9 +42,10 @@ def step_rows(
     terminated: BoolArray,
 ) -> int:
     """Step every row; see `Environment.step_kernel`."""
+    machine = machine_of(p)
     for row in range(states.shape[0]):
         x, speed, theta, omega = states[row]
-        push, alpha = accelerations(theta, omega, force_of(actions[row, 0]))
+        push, alpha = accelerations(machine, theta, omega, force_of(p, actions[row, 0]))
         next_x, next_theta = x + DT * speed, theta + DT * omega
         next_states[row, 0] = next_x
         next_states[row, 1] = speed + DT * push
@@ -54,6 +58,7 @@ def step_rows(
 
 @compiled
 def differentiate_rows(
+    p: FloatArray,
     states: FloatArray,
     actions: FloatArray,
     next_states: FloatArray,
@@ -66,7 +71,8 @@ def differentiate_rows(
     reward_next_state_gradients: FloatArray,
 ) -> int:
     """Step and differentiate every row; see `Environment.differentiate_kernel`."""
-    step_rows(states, actions, next_states, rewards, terminated)
+    machine = machine_of(p)
+    step_rows(p, states, actions, next_states, rewards, terminated)
     state_jacobians[:] = 0.0
     action_jacobians[:] = 0.0
     reward_state_gradients[:] = 0.0
@@ -75,21 +81,39 @@ def differentiate_rows(
     for row in range(states.shape[0]):
         theta, omega, a = states[row, 2], states[row, 3], actions[row, 0]
         push_theta, push_omega, push_force, alpha_theta, alpha_omega, alpha_force = (
-            acceleration_slopes(theta, omega, force_of(a))
+            acceleration_slopes(machine, theta, omega, force_of(p, a))
         )
         jacobian = state_jacobians[row]
         jacobian[0, 0], jacobian[0, 1] = 1.0, DT
         jacobian[1, 1], jacobian[1, 2], jacobian[1, 3] = 1.0, DT * push_theta, DT * push_omega
         jacobian[2, 2], jacobian[2, 3] = 1.0, DT
         jacobian[3, 2], jacobian[3, 3] = DT * alpha_theta, 1.0 + DT * alpha_omega
-        action_jacobians[row, 1, 0] = DT * push_force * force_slope(a)
-        action_jacobians[row, 3, 0] = DT * alpha_force * force_slope(a)
+        action_jacobians[row, 1, 0] = DT * push_force * force_slope(p, a)
+        action_jacobians[row, 3, 0] = DT * alpha_force * force_slope(p, a)
         reward_next_state_gradients[row, 0] = -next_states[row, 0] / TRACK**2
         reward_next_state_gradients[row, 2] = -next_states[row, 2] / MAX_ANGLE**2
     return -1
 
 
-class CartPole(Environment):
+@compiled
+def differentiate_parameters(
+    p: FloatArray,
+    states: FloatArray,
+    actions: FloatArray,
+    next_by_parameter: FloatArray,
+    reward_by_parameter: FloatArray,
+) -> None:
+    """Differentiate every row in p; see `Environment.parameter_kernel`."""
+    reward_by_parameter[:] = 0.0
+    slopes = np.empty((2, 5))
+    for row in range(states.shape[0]):
+        parameter_slopes(p, states[row, 2], states[row, 3], actions[row, 0], slopes)
+        for j in range(5):
+            next_by_parameter[row, 1, j] = DT * slopes[0, j]
+            next_by_parameter[row, 3, j] = DT * slopes[1, j]
+
+
+class CartPole(CartAndPole):
     """The pole, upright at the start."""
 
     name = "CartPole"
@@ -100,8 +124,9 @@ class CartPole(Environment):
     max_reward = 1.0
     step_seconds = DT
     angles = MappingProxyType({2: 1})
-    step_kernel = staticmethod(step_rows)
-    differentiate_kernel = staticmethod(differentiate_rows)
+    step_kernel = WithParameters(step_rows)
+    differentiate_kernel = WithParameters(differentiate_rows)
+    parameter_kernel = WithParameters(differentiate_parameters)
 
     def initial_state(self, generator: np.random.Generator) -> FloatArray:
         """Nearly at rest, upright, in the middle: U(-0.05, 0.05)^4."""
@@ -114,7 +139,3 @@ class CartPole(Environment):
             generator.uniform(-bound, bound, (count, 4)),
             generator.uniform(-1.5, 1.5, (count, 1)),
         )
-
-    def draw(self, state: FloatArray) -> Drawing:
-        """The cart on its track, with the pole."""
-        return draw_cart_and_pole(state)

@@ -15,17 +15,19 @@ from types import MappingProxyType
 
 import numpy as np
 
-from physics.drawing import Drawing
-from physics.environment import BoolArray, Environment, FloatArray
+from physics.environment import BoolArray, FloatArray
 from physics.kernels.compiled import compiled
+from physics.parameter import WithParameters
 from physics.tasks.cart_and_pole import (
     DT,
     TRACK,
+    CartAndPole,
     acceleration_slopes,
     accelerations,
-    draw_cart_and_pole,
     force_of,
     force_slope,
+    machine_of,
+    parameter_slopes,
 )
 
 OFF_CENTRE_COST = 0.05
@@ -33,6 +35,7 @@ OFF_CENTRE_COST = 0.05
 
 @compiled
 def step_rows(
+    p: FloatArray,
     states: FloatArray,
     actions: FloatArray,
     next_states: FloatArray,
@@ -40,9 +43,10 @@ def step_rows(
     terminated: BoolArray,
 ) -> int:
     """Step every row; see `Environment.step_kernel`."""
+    machine = machine_of(p)
     for row in range(states.shape[0]):
         x, speed, theta, omega = states[row]
-        push, alpha = accelerations(theta, omega, force_of(actions[row, 0]))
+        push, alpha = accelerations(machine, theta, omega, force_of(p, actions[row, 0]))
         next_speed, next_omega = speed + DT * push, omega + DT * alpha
         next_x, next_theta = x + DT * next_speed, theta + DT * next_omega
         next_states[row, 0] = next_x
@@ -56,6 +60,7 @@ def step_rows(
 
 @compiled
 def differentiate_rows(
+    p: FloatArray,
     states: FloatArray,
     actions: FloatArray,
     next_states: FloatArray,
@@ -68,7 +73,8 @@ def differentiate_rows(
     reward_next_state_gradients: FloatArray,
 ) -> int:
     """Step and differentiate every row; see `Environment.differentiate_kernel`."""
-    step_rows(states, actions, next_states, rewards, terminated)
+    machine = machine_of(p)
+    step_rows(p, states, actions, next_states, rewards, terminated)
     state_jacobians[:] = 0.0
     reward_state_gradients[:] = 0.0
     reward_action_gradients[:] = 0.0
@@ -76,13 +82,13 @@ def differentiate_rows(
     for row in range(states.shape[0]):
         theta, omega, a = states[row, 2], states[row, 3], actions[row, 0]
         push_theta, push_omega, push_force, alpha_theta, alpha_omega, alpha_force = (
-            acceleration_slopes(theta, omega, force_of(a))
+            acceleration_slopes(machine, theta, omega, force_of(p, a))
         )
         jacobian = state_jacobians[row]
         jacobian[1, 1], jacobian[1, 2], jacobian[1, 3] = 1.0, DT * push_theta, DT * push_omega
         jacobian[3, 2], jacobian[3, 3] = DT * alpha_theta, 1.0 + DT * alpha_omega
-        action_jacobians[row, 1, 0] = DT * push_force * force_slope(a)
-        action_jacobians[row, 3, 0] = DT * alpha_force * force_slope(a)
+        action_jacobians[row, 1, 0] = DT * push_force * force_slope(p, a)
+        action_jacobians[row, 3, 0] = DT * alpha_force * force_slope(p, a)
         # A position moves by dt times its new speed.
         for position in (0, 2):
             for column in range(4):
@@ -96,7 +102,27 @@ def differentiate_rows(
     return -1
 
 
-class CartPoleSwingUp(Environment):
+@compiled
+def differentiate_parameters(
+    p: FloatArray,
+    states: FloatArray,
+    actions: FloatArray,
+    next_by_parameter: FloatArray,
+    reward_by_parameter: FloatArray,
+) -> None:
+    """Differentiate every row in p; see `Environment.parameter_kernel`."""
+    reward_by_parameter[:] = 0.0
+    slopes = np.empty((2, 5))
+    for row in range(states.shape[0]):
+        parameter_slopes(p, states[row, 2], states[row, 3], actions[row, 0], slopes)
+        for j in range(5):
+            next_by_parameter[row, 1, j] = DT * slopes[0, j]
+            next_by_parameter[row, 3, j] = DT * slopes[1, j]
+            next_by_parameter[row, 0, j] = DT * next_by_parameter[row, 1, j]
+            next_by_parameter[row, 2, j] = DT * next_by_parameter[row, 3, j]
+
+
+class CartPoleSwingUp(CartAndPole):
     """The pole, hanging at the start."""
 
     name = "CartPoleSwingUp"
@@ -107,8 +133,9 @@ class CartPoleSwingUp(Environment):
     max_reward = 1.0
     step_seconds = DT
     angles = MappingProxyType({2: 1})
-    step_kernel = staticmethod(step_rows)
-    differentiate_kernel = staticmethod(differentiate_rows)
+    step_kernel = WithParameters(step_rows)
+    differentiate_kernel = WithParameters(differentiate_rows)
+    parameter_kernel = WithParameters(differentiate_parameters)
 
     def initial_state(self, generator: np.random.Generator) -> FloatArray:
         """Nearly at rest, hanging, in the middle: U(-0.05, 0.05)^4 from theta = pi."""
@@ -123,7 +150,3 @@ class CartPoleSwingUp(Environment):
             generator.uniform(-bound, bound, (count, 4)),
             generator.uniform(-1.5, 1.5, (count, 1)),
         )
-
-    def draw(self, state: FloatArray) -> Drawing:
-        """The cart on its track, with the pole."""
-        return draw_cart_and_pole(state)

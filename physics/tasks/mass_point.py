@@ -1,10 +1,10 @@
 """MassPoint: a point on a line, moved by its velocity (Tan and others, section 3.3).
 
-    s' = s + 0.01 clip(a),    r = 1 / (s^2 + 1) - 1,    ends when |s'| < 0.01
+    s' = s + 0.01 v clip(a),    r = 1 / (s^2 + 1) - 1,    ends when |s'| < 0.01
 
 Glossary:
     s   position (m)
-    a   velocity (m/s)
+    a   velocity, as a share of v = 1 m/s; p = (v,)
 
 The reward is that of the state before the step.
 """
@@ -14,6 +14,7 @@ import numpy as np
 from physics.drawing import Capsule, Drawing, disc
 from physics.environment import BoolArray, Environment, FloatArray
 from physics.kernels.compiled import compiled
+from physics.parameter import Parameter, WithParameters
 
 DT = 0.01
 START = -0.5
@@ -22,6 +23,7 @@ GOAL_RADIUS = 0.01
 
 @compiled
 def step_rows(
+    p: FloatArray,
     states: FloatArray,
     actions: FloatArray,
     next_states: FloatArray,
@@ -31,7 +33,7 @@ def step_rows(
     """Step every row; see `Environment.step_kernel`."""
     for row in range(states.shape[0]):
         s = states[row, 0]
-        following = s + DT * min(max(actions[row, 0], -1.0), 1.0)
+        following = s + DT * p[0] * min(max(actions[row, 0], -1.0), 1.0)
         next_states[row, 0] = following
         rewards[row] = 1.0 / (s * s + 1.0) - 1.0
         terminated[row] = abs(following) < GOAL_RADIUS
@@ -40,6 +42,7 @@ def step_rows(
 
 @compiled
 def differentiate_rows(
+    p: FloatArray,
     states: FloatArray,
     actions: FloatArray,
     next_states: FloatArray,
@@ -52,15 +55,29 @@ def differentiate_rows(
     reward_next_state_gradients: FloatArray,
 ) -> int:
     """Step and differentiate every row; see `Environment.differentiate_kernel`."""
-    step_rows(states, actions, next_states, rewards, terminated)
+    step_rows(p, states, actions, next_states, rewards, terminated)
     for row in range(states.shape[0]):
         s = states[row, 0]
         state_jacobians[row, 0, 0] = 1.0
-        action_jacobians[row, 0, 0] = DT if abs(actions[row, 0]) <= 1.0 else 0.0
+        action_jacobians[row, 0, 0] = DT * p[0] if abs(actions[row, 0]) <= 1.0 else 0.0
         reward_state_gradients[row, 0] = -2.0 * s / (s * s + 1.0) ** 2
         reward_action_gradients[row, 0] = 0.0
         reward_next_state_gradients[row, 0] = 0.0
     return -1
+
+
+@compiled
+def differentiate_parameters(
+    p: FloatArray,  # noqa: ARG001 - as all of them
+    states: FloatArray,
+    actions: FloatArray,
+    next_by_parameter: FloatArray,
+    reward_by_parameter: FloatArray,
+) -> None:
+    """Differentiate every row in p; see `Environment.parameter_kernel`."""
+    reward_by_parameter[:] = 0.0
+    for row in range(states.shape[0]):
+        next_by_parameter[row, 0, 0] = DT * min(max(actions[row, 0], -1.0), 1.0)
 
 
 class MassPoint(Environment):
@@ -73,8 +90,10 @@ class MassPoint(Environment):
     horizon = 200
     max_reward = 0.0
     step_seconds = DT
-    step_kernel = staticmethod(step_rows)
-    differentiate_kernel = staticmethod(differentiate_rows)
+    max_speed = Parameter(1.0, "m/s", least=0.0, greatest=10.0, meaning="the greatest velocity")
+    step_kernel = WithParameters(step_rows)
+    differentiate_kernel = WithParameters(differentiate_rows)
+    parameter_kernel = WithParameters(differentiate_parameters)
 
     def initial_state(self, generator: np.random.Generator) -> FloatArray:
         """Always -0.5."""

@@ -1,6 +1,6 @@
 """MountainCar: rock a weak car out of a valley (MountainCarContinuous-v0, with a smooth reward).
 
-    v' = clip(v + 0.0015 clip(a) - 0.0025 cos 3x, -0.07, 0.07)
+    v' = clip(v + P clip(a) - G cos 3x, -0.07, 0.07)
     x' = clip(x + v', -1.2, 0.6);    at the left wall a leftward v' becomes 0
     r  = sin 3x' - 1
     ends when x' >= 0.45 and v' >= 0
@@ -8,6 +8,7 @@
 Glossary:
     x   position (the valley's floor is at -pi/6, the hilltop at pi/6)
     v   velocity (per step)
+    P   power of the motor, 0.0015 a step; G pull of the slope, 0.0025 a step; p = (P, G)
 
 Gymnasium's own reward is 100 at the goal, less the squared action; this one is the height above the
 valley, 0 on the hilltop. Dynamics after Moore (1990), by way of Gymnasium.
@@ -21,6 +22,7 @@ import numpy as np
 from physics.drawing import Capsule, Drawing, Polygon, disc
 from physics.environment import BoolArray, Environment, FloatArray, IntArray, Pieces, clip_sides
 from physics.kernels.compiled import compiled
+from physics.parameter import Parameter, WithParameters
 
 POWER = 0.0015
 SLOPE = 0.0025
@@ -36,13 +38,15 @@ MARGIN = 0.15
 
 
 @compiled
-def free_speed(x: float, v: float, a: float) -> float:
+def free_speed(power: float, slope: float, x: float, v: float, a: float) -> float:
     """The velocity after the step, before it is clipped."""
-    return v + (min(max(a, -1.0), 1.0) * POWER - SLOPE * math.cos(3.0 * x))
+    return v + (min(max(a, -1.0), 1.0) * power - slope * math.cos(3.0 * x))
 
 
 @compiled
 def step_row(
+    power: float,
+    slope: float,
     row: int,
     states: FloatArray,
     actions: FloatArray,
@@ -51,7 +55,7 @@ def step_row(
     terminated: BoolArray,
 ) -> float:
     """Step one row; return its velocity before it is clipped."""
-    speed = free_speed(states[row, 0], states[row, 1], actions[row, 0])
+    speed = free_speed(power, slope, states[row, 0], states[row, 1], actions[row, 0])
     v = min(max(speed, -MAX_SPEED), MAX_SPEED)
     x = min(max(states[row, 0] + v, LEFT_WALL), RIGHT_WALL)
     if x == LEFT_WALL and v < 0.0:
@@ -65,6 +69,7 @@ def step_row(
 
 @compiled
 def step_rows(
+    p: FloatArray,
     states: FloatArray,
     actions: FloatArray,
     next_states: FloatArray,
@@ -72,13 +77,15 @@ def step_rows(
     terminated: BoolArray,
 ) -> int:
     """Step every row; see `Environment.step_kernel`."""
+    power, slope = p
     for row in range(states.shape[0]):
-        step_row(row, states, actions, next_states, rewards, terminated)
+        step_row(power, slope, row, states, actions, next_states, rewards, terminated)
     return -1
 
 
 @compiled
 def differentiate_rows(
+    p: FloatArray,
     states: FloatArray,
     actions: FloatArray,
     next_states: FloatArray,
@@ -94,13 +101,14 @@ def differentiate_rows(
     reward_state_gradients[:] = 0.0
     reward_action_gradients[:] = 0.0
     reward_next_state_gradients[:] = 0.0
+    power, slope = p
     for row in range(states.shape[0]):
         x, a = states[row, 0], actions[row, 0]
-        speed = step_row(row, states, actions, next_states, rewards, terminated)
+        speed = step_row(power, slope, row, states, actions, next_states, rewards, terminated)
         v = min(max(speed, -MAX_SPEED), MAX_SPEED)
         moves = 1.0 if abs(speed) <= MAX_SPEED else 0.0
-        by_x = moves * 3.0 * SLOPE * math.sin(3.0 * x)
-        by_a = moves * POWER if abs(a) <= 1.0 else 0.0
+        by_x = moves * 3.0 * slope * math.sin(3.0 * x)
+        by_a = moves * power if abs(a) <= 1.0 else 0.0
         # A wall holds the position whatever the state was; the left one holds the velocity too.
         runs = 1.0 if LEFT_WALL <= x + v <= RIGHT_WALL else 0.0
         rolls = 0.0 if next_states[row, 0] == LEFT_WALL and v < 0.0 else 1.0
@@ -115,13 +123,43 @@ def differentiate_rows(
 
 
 @compiled
+def differentiate_parameters(
+    p: FloatArray,
+    states: FloatArray,
+    actions: FloatArray,
+    next_by_parameter: FloatArray,
+    reward_by_parameter: FloatArray,
+) -> None:
+    """Differentiate every row in p; see `Environment.parameter_kernel`."""
+    reward_by_parameter[:] = 0.0
+    power, slope = p
+    for row in range(states.shape[0]):
+        x, a = states[row, 0], actions[row, 0]
+        speed = free_speed(power, slope, x, states[row, 1], a)
+        v = min(max(speed, -MAX_SPEED), MAX_SPEED)
+        moves = 1.0 if abs(speed) <= MAX_SPEED else 0.0
+        runs = 1.0 if LEFT_WALL <= x + v <= RIGHT_WALL else 0.0
+        rolls = 0.0 if x + v <= LEFT_WALL and v < 0.0 else 1.0
+        by_power, by_slope = moves * min(max(a, -1.0), 1.0), -moves * math.cos(3.0 * x)
+        next_by_parameter[row, 0, 0] = runs * by_power
+        next_by_parameter[row, 0, 1] = runs * by_slope
+        next_by_parameter[row, 1, 0] = rolls * by_power
+        next_by_parameter[row, 1, 1] = rolls * by_slope
+
+
+@compiled
 def piece_rows(
-    states: FloatArray, actions: FloatArray, speed_sides: IntArray, wall_sides: IntArray
+    p: FloatArray,
+    states: FloatArray,
+    actions: FloatArray,
+    speed_sides: IntArray,
+    wall_sides: IntArray,
 ) -> None:
     """-1, 0 or 1 [batch]: whether the speed was clipped, and which wall was hit."""
+    power, slope = p
     for row in range(states.shape[0]):
         x = states[row, 0]
-        speed = free_speed(x, states[row, 1], actions[row, 0])
+        speed = free_speed(power, slope, x, states[row, 1], actions[row, 0])
         v = min(max(speed, -MAX_SPEED), MAX_SPEED)
         speed_sides[row] = (speed > MAX_SPEED) - (speed < -MAX_SPEED)
         wall_sides[row] = (x + v > RIGHT_WALL) - (x + v < LEFT_WALL)
@@ -138,8 +176,11 @@ class MountainCar(Environment):
     max_reward = 0.0
     bounds = MappingProxyType({0: (LEFT_WALL, RIGHT_WALL), 1: (-MAX_SPEED, MAX_SPEED)})
     regimes = ("free", "clipped", "wall")
-    step_kernel = staticmethod(step_rows)
-    differentiate_kernel = staticmethod(differentiate_rows)
+    power = Parameter(POWER, "1", least=0.0, greatest=0.01, meaning="of the motor, a step")
+    slope = Parameter(SLOPE, "1", least=0.0, greatest=0.01, meaning="pull of the slope, a step")
+    step_kernel = WithParameters(step_rows)
+    differentiate_kernel = WithParameters(differentiate_rows)
+    parameter_kernel = WithParameters(differentiate_parameters)
 
     def initial_state(self, generator: np.random.Generator) -> FloatArray:
         """At rest: x ~ U(-0.6, -0.4)."""
@@ -149,7 +190,7 @@ class MountainCar(Environment):
         """Motor inside or beyond its bounds, speed likewise, and the walls."""
         motor = clip_sides(actions)[:, 0]
         speed, wall = np.empty(len(states), np.int64), np.empty(len(states), np.int64)
-        piece_rows(states, actions, speed, wall)
+        piece_rows(self.parameter_values, states, actions, speed, wall)
         regime = np.where(wall != 0, 2, np.where((motor != 0) | (speed != 0), 1, 0))
         return Pieces(regime, np.stack([motor, speed, wall], axis=1))
 

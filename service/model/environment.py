@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Self
 
 import physics
 from physics.catalogue import unknown_task
-from physics.parameter import Parameter, checked, declared, parse
+from physics.parameter import Parameter, checked, declared, label, parse
 from physics.task_file import Reference, make_all
 
 if TYPE_CHECKING:
@@ -107,6 +107,16 @@ def submittable_facts(environment: str) -> EnvironmentFacts:
             f"with --tasks {facts.file}"
         )
     return facts
+
+
+def without_defaults(environment: str) -> str:
+    """Return the environment without the values that are its defaults: the same task, if known."""
+    try:
+        defaults = {each.name: each.default for each in environment_facts(environment).parameters}
+    except ValueError:
+        return environment
+    name, values = parse(environment)
+    return label(name, {each: value for each, value in values.items() if value != defaults[each]})
 
 
 def known_environments() -> list[EnvironmentFacts]:

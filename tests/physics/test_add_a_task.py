@@ -55,6 +55,26 @@ def test_its_action_is_clipped(environment: Environment) -> None:
     np.testing.assert_allclose(linearization.reward_action_gradient[:, 0], [-0.02, 0.0, 0.0])
 
 
+def test_the_file_alone_is_audited_and_trained_from_an_empty_folder(tmp_path: Path) -> None:
+    (code,) = blocks(PAGE, "python")
+    (tmp_path / "van_der_pol.py").write_text(code)
+    (shown,) = [block for block in blocks(PAGE, "sh") if "algorithms" in block]
+    for line in shown.splitlines():
+        _, *arguments = line.split()
+        shorter = ["--count", "20"] if "audit" in line else ["--timesteps", "800"]
+        answer = subprocess.run(
+            [sys.executable, *arguments, *shorter],
+            capture_output=True,
+            text=True,
+            check=False,
+            cwd=tmp_path,
+            env={**os.environ, "PYTHONPATH": str(ROOT)},
+        )
+        assert answer.returncode == 0, answer.stdout + answer.stderr
+    rows = (tmp_path / "curves.csv").read_text().splitlines()
+    assert [row.split(",")[:2] for row in rows[1:]] == [[str(seed), "800"] for seed in range(4)]
+
+
 def test_the_command_audits_it(package: Path) -> None:
     answer = subprocess.run(
         [sys.executable, "-m", "physics", "audit", "VanDerPol", "--count", "40"],

@@ -23,10 +23,17 @@ declare namespace Api {
   type Statistics = Schemas["StatisticsAnswer"];
   type Surface = Schemas["SurfaceAnswer"];
   type Sweep = Schemas["SweepAnswer"];
-  /** What was posted for a sweep. */
-  type Request = Partial<Schemas["SweepRequest"]>;
+  /** What was posted for a sweep, as it is kept: grids of parameters are written out. */
+  type Request = Partial<
+    Omit<Schemas["SweepRequest"], "algorithms" | "environments"> & {
+      algorithms: AlgorithmRequest[];
+      environments: string[];
+    }
+  >;
   /** What is asked for of one algorithm. */
-  type AlgorithmRequest = Schemas["AlgorithmRequest"];
+  type AlgorithmRequest = Omit<Schemas["AlgorithmRequest"], "environments"> & {
+    environments?: string[] | null;
+  };
   type Weights = Schemas["Weights"];
 
   /** The segments of an address or of a path's template. */

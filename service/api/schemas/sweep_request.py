@@ -1,7 +1,8 @@
 """What `POST /sweeps` takes: a product of algorithms, weights, environments and seeds."""
 
 import math
-from typing import Annotated, Any
+from itertools import product
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import (
     AfterValidator,
@@ -15,6 +16,7 @@ from pydantic import (
 )
 
 from algorithms.presets import SMALLEST_WEIGHT
+from physics.parameter import label, relabelled
 
 MAX_RUNS = 20_000
 MAX_NAME = 200
@@ -93,6 +95,74 @@ class Weights(Request):
     w2: Weight = 0.0
 
 
+class EnvironmentRequest(Request):
+    """An environment with values of its physical parameters; lists of values are a grid."""
+
+    name: Name
+    parameters: dict[
+        Name,
+        Annotated[
+            Annotated[float, Tag("<one>")]
+            | Annotated[list[float], Field(min_length=1, max_length=MAX_LISTED), Tag("<list>")],
+            Discriminator(_one_or_list),
+        ],
+    ] = Field(
+        default_factory=dict,
+        max_length=MAX_LISTED,
+        description="By name; `GET /catalogue` has the unit, the default and the range of each.",
+    )
+
+    @property
+    def axes(self) -> dict[str, list[float]]:
+        """The values of each parameter."""
+        return {
+            name: value if isinstance(value, list) else [value]
+            for name, value in self.parameters.items()
+        }
+
+
+def expanded(environments: list[str | EnvironmentRequest]) -> list[str]:
+    """Return each environment with its values written after its name: `Pendulum(gravity=8)`.
+
+    Raises ValueError for grids of too many points.
+    """
+    points = sum(
+        1 if isinstance(each, str) else math.prod(map(len, each.axes.values()))
+        for each in environments
+    )
+    if points > MAX_LISTED:
+        raise ValueError(f"with their grids they are {points}; there may be {MAX_LISTED}")
+    return [text for each in environments for text in _texts(each)]
+
+
+def _texts(environment: str | EnvironmentRequest) -> list[str]:
+    if isinstance(environment, str):
+        return [relabelled(environment)]
+    names, values = list(environment.axes), environment.axes.values()
+    return [
+        label(environment.name, dict(zip(names, point, strict=True))) for point in product(*values)
+    ]
+
+
+def _name_or_grid(value: object) -> str:
+    return "<grid>" if isinstance(value, dict | EnvironmentRequest) else "<name>"
+
+
+if TYPE_CHECKING:
+    Environments = list[str]
+else:
+    Environments = Annotated[
+        list[
+            Annotated[
+                Annotated[Name, Tag("<name>")] | Annotated[EnvironmentRequest, Tag("<grid>")],
+                Discriminator(_name_or_grid),
+            ]
+        ],
+        Field(min_length=1, max_length=MAX_LISTED),
+        AfterValidator(expanded),
+    ]
+
+
 class AlgorithmRequest(Request):
     """An algorithm of the sweep, with one or several pairs of weights, and settings of its own."""
 
@@ -110,10 +180,8 @@ class AlgorithmRequest(Request):
         max_length=MAX_LISTED,
         description="Settings that differ from the preset; `GET /catalogue` has their schema.",
     )
-    environments: list[Name] | None = Field(
+    environments: Environments | None = Field(
         default=None,
-        min_length=1,
-        max_length=MAX_LISTED,
         description="Those of the sweep's environments that it runs in; left out: all of them.",
     )
 
@@ -147,7 +215,9 @@ class SweepRequest(Request):
 
     name: Name = Field(default="sweep", description="Any text; shown and stored exactly as it is.")
     algorithms: list[AlgorithmRequest] = Field(min_length=1, max_length=MAX_LISTED)
-    environments: list[Name] = Field(min_length=1, max_length=MAX_LISTED)
+    environments: Environments = Field(
+        description="Names, or names with values of physical parameters, of which lists are a grid."
+    )
     seeds: Annotated[
         Annotated[Seed, Field(ge=1), Tag("<one>")]
         | Annotated[list[Seed], Field(min_length=1, max_length=MAX_RUNS), Tag("<list>")],

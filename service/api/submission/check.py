@@ -10,7 +10,7 @@ from algorithms.catalogue import Algorithm
 from service.api.problems import Fault, faults_of, printable
 from service.api.schemas.sweep_request import MAX_RUNS, AlgorithmRequest, SweepRequest, Weights
 from service.api.submission.nearest import unknown_name
-from service.model.environment import environment_facts, submittable_facts
+from service.model.environment import environment_facts, submittable_facts, without_defaults
 
 Value = TypeVar("Value")
 
@@ -48,7 +48,12 @@ def product_faults(request: SweepRequest) -> list[Fault]:
     seeds = [] if isinstance(request.seeds, int) else request.seeds
     return [
         *_repeated({f"seeds[{i}]": seed for i, seed in enumerate(seeds)}),
-        *_repeated({f"environments[{i}]": name for i, name in enumerate(request.environments)}),
+        *_repeated(
+            {
+                f"environments[{i}]": without_defaults(name)
+                for i, name in enumerate(request.environments)
+            }
+        ),
         *_environments_faults(request),
         *_useless_weights(request),
         *_wrong_settings(request),

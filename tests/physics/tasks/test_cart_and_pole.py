@@ -6,14 +6,11 @@ import pytest
 import physics
 from physics.environment import FloatArray
 from physics.randomness import generator
-from physics.tasks.cart_and_pole import (
-    GRAVITY,
-    HALF_LENGTH,
-    POLE_MASS,
-    POLE_MOMENT,
-    TOTAL_MASS,
-    accelerations,
-)
+from physics.tasks.cart_and_pole import CART_MASS, GRAVITY, HALF_LENGTH, POLE_MASS, accelerations
+
+TOTAL_MASS = CART_MASS + POLE_MASS
+POLE_MOMENT = POLE_MASS * HALF_LENGTH
+MACHINE = (GRAVITY, TOTAL_MASS, POLE_MASS, HALF_LENGTH)
 
 
 @pytest.fixture
@@ -21,7 +18,7 @@ def motion() -> tuple[FloatArray, ...]:
     """speed, theta, omega, force, and the accelerations they give, each [1000]."""
     random = generator(0, "cart and pole")
     speed, theta, omega, force = random.uniform([[-4]], [[4]], (4, 1000)) * [[1], [1], [2], [3]]
-    both = np.array([accelerations(*s) for s in zip(theta, omega, force, strict=True)])
+    both = np.array([accelerations(MACHINE, *s) for s in zip(theta, omega, force, strict=True)])
     return speed, theta, omega, force, both[:, 0], both[:, 1]
 
 

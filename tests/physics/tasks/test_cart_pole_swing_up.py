@@ -4,7 +4,10 @@ import numpy as np
 
 import physics
 from physics.environment import FloatArray
-from physics.tasks.cart_and_pole import GRAVITY, HALF_LENGTH, POLE_MASS, POLE_MOMENT, TOTAL_MASS
+from physics.tasks.cart_and_pole import CART_MASS, GRAVITY, HALF_LENGTH, POLE_MASS
+
+TOTAL_MASS = CART_MASS + POLE_MASS
+POLE_MOMENT = POLE_MASS * HALF_LENGTH
 
 
 def energy(s: FloatArray) -> FloatArray:
