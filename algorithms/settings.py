@@ -7,6 +7,11 @@ from pydantic.dataclasses import dataclass
 
 STRICT = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
 
+
+class SettingsError(ValueError):
+    """Settings that an algorithm does not take; the message names each of them."""
+
+
 HiddenUnits = Annotated[int, Field(ge=4, le=512, description="units of each hidden layer")]
 HiddenLayers = Annotated[int, Field(ge=1, le=4, description="hidden layers of each network")]
 ActivationName = Annotated[

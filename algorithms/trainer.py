@@ -92,6 +92,8 @@ class Trainer(Iterator[Measurement]):
     def policy(self, seed: int | None = None) -> TrainedPolicy:
         """The policy of a run as it is now.
 
+        That of an on-policy learner is an update ahead of its last measurement.
+
         Args:
             seed: of the run; not needed where there is only one.
 

@@ -2,15 +2,20 @@
 
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from difflib import get_close_matches
 from operator import index
 from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
 
 import physics
 from algorithms import catalogue
 from algorithms.catalogue import Algorithm
 from algorithms.learner import Learner
 from algorithms.presets import LARGEST_WEIGHT, SMALLEST_WEIGHT, completed, preset
+from algorithms.settings import SettingsError
 from physics.environment import Environment
 
 Task = str | Environment | type[Environment]
@@ -69,7 +74,7 @@ def prepare(
     usual = preset(chosen.name, task.name)
     steps = usual.timesteps if timesteps is None else timesteps
     pair = usual.weights if weights is None else weights
-    settings = chosen.config_class()(**completed(chosen.name, task.name, config or {}))
+    settings = checked_settings(chosen, completed(chosen.name, task.name, config or {}))
     check_pair(chosen, task)
     numbers, steps = seed_numbers(seeds), step_number(steps)
     check_weights(chosen, pair)
@@ -80,6 +85,27 @@ def prepare(
             stacklevel=2,
         )
     return Prepared(chosen, task, numbers, pair, steps, settings)
+
+
+def checked_settings(algorithm: Algorithm, given: Mapping[str, Any]) -> Any:
+    """The settings, of the algorithm's own class. Raises SettingsError."""
+    settings = algorithm.config_class()
+    try:
+        return settings(**given)
+    except ValidationError as refusal:
+        known = [field.name for field in fields(settings)]
+        mistakes = [_mistake(error, known) for error in refusal.errors()]
+        raise SettingsError(f"{algorithm.name}: {'; '.join(mistakes)}") from refusal
+
+
+def _mistake(error: Mapping[str, Any], known: Sequence[str]) -> str:
+    """What is wrong with one setting, a sentence."""
+    name = ".".join(map(str, error["loc"]))
+    if error["type"] != "unexpected_keyword_argument":
+        return f"{name}: {error['msg']}, not {error['input']!r}"
+    near = get_close_matches(name, known, n=1, cutoff=0.5)
+    hint = f"; did you mean {near[0]!r}?" if near else ""
+    return f"there is no setting {name!r}{hint} (known: {', '.join(known)})"
 
 
 def check_pair(algorithm: Algorithm, environment: Environment) -> None:
@@ -115,7 +141,7 @@ def step_number(timesteps: int) -> int:
 
 def check_weights(algorithm: Algorithm, weights: tuple[float, float]) -> None:
     """Refuse weights out of range, by name."""
-    if len(weights) != 2 or not all(
+    if np.shape(weights) != (2,) or not all(
         w == 0 or SMALLEST_WEIGHT <= w <= LARGEST_WEIGHT for w in weights
     ):
         raise ValueError(

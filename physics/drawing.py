@@ -28,6 +28,11 @@ _PALETTE: dict[Role, tuple[int, int, int]] = {
 }
 
 
+def _check_role(role: str) -> None:
+    if role not in _PALETTE:
+        raise ValueError(f"a shape's role must be one of {', '.join(_PALETTE)}, not {role!r}")
+
+
 @dataclass(frozen=True, slots=True)
 class Capsule:
     """A thick segment with round ends."""
@@ -37,6 +42,10 @@ class Capsule:
     radius: float
     role: Role
 
+    def __post_init__(self) -> None:
+        """Refuse an unknown role."""
+        _check_role(self.role)
+
 
 @dataclass(frozen=True, slots=True)
 class Polygon:
@@ -44,6 +53,10 @@ class Polygon:
 
     points: tuple[Point, ...]
     role: Role
+
+    def __post_init__(self) -> None:
+        """Refuse an unknown role."""
+        _check_role(self.role)
 
 
 @dataclass(frozen=True, slots=True)

@@ -42,17 +42,6 @@ class Trial(NamedTuple):
     """How to write a constant result."""
 
 
-class WithOutcome(Protocol):
-    """A task whose reward and end are torch's."""
-
-    state_size: int
-    action_size: int
-    reward_is_differentiable: bool
-    initial_states: Callable[..., Any]
-    reward: Callable[..., Any]
-    terminated: Callable[..., Any]
-
-
 def function_mistakes(task: "TorchEnvironment") -> list[str]:
     """What is wrong with the functions of a task whose sizes are right."""
     states, actions, mistakes = _tried(task)

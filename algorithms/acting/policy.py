@@ -21,6 +21,7 @@ from algorithms.networks.layer import Layer
 from algorithms.networks.parameters import Output, Parameters, hidden_layer, output_layer
 from algorithms.snapshot import Snapshot
 from physics.environment import Environment
+from physics.randomness import generator
 
 Floats = NDArray[np.float32]
 
@@ -107,7 +108,12 @@ class TrainedPolicy:
 def policy_of(
     snapshot: Snapshot, environment: Environment, origin: Mapping[str, Any]
 ) -> TrainedPolicy:
-    """The policy of a snapshot that was taken in this task."""
+    """The policy of a snapshot that was taken in this task.
+
+    Raises:
+        ValueError: for a task whose features are more than a header can say, such as one that
+            overrides `features`.
+    """
     shape = snapshot.inside.shape(snapshot.policy.mean.size, snapshot.actions)
     p = Parameters(snapshot.policy.theta, shape)
     header = Header(
@@ -122,6 +128,12 @@ def policy_of(
         hidden_units=list(shape.hidden),
         origin={**origin, "timestep": snapshot.timestep},
     )
+    states = 20.0 * generator(0, "features").standard_normal((16, environment.state_size))
+    if not np.array_equal(header.feature_map.features(states), environment.features(states)):
+        raise ValueError(
+            f"the policy of {environment.name} cannot leave training: its features are not those "
+            "of its declared angles and hidden coordinates"
+        )
     return TrainedPolicy(
         header,
         snapshot.policy.mean.copy(),

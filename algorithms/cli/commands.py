@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from pydantic import ValidationError
 from rich.console import Console
 from rich.table import Table
 
@@ -23,6 +22,7 @@ from algorithms.cli.curve_file import CurveFile
 from algorithms.cli.display import display, summary
 from algorithms.cli.outcome import Outcome
 from algorithms.presets import completed, preset
+from algorithms.settings import SettingsError
 
 if TYPE_CHECKING:
     from algorithms.diagnostics.finding import Finding
@@ -212,12 +212,8 @@ def prepared(
     """What builds the learner; raises typer.BadParameter with what is wrong with the call."""
     try:
         return algorithms.prepare(algorithm, environment, seeds, weights, timesteps, settings)
-    except ValidationError as error:
-        found = "; ".join(
-            f"{'.'.join(map(str, each['loc']))}: {each['msg']}, not {each['input']!r}"
-            for each in error.errors()
-        )
-        raise typer.BadParameter(found, param_hint="--config") from None
+    except SettingsError as error:
+        raise typer.BadParameter(str(error), param_hint="--config") from None
     except ValueError as error:
         raise typer.BadParameter(str(error)) from None
 

@@ -1,5 +1,7 @@
 """The trainer: what it yields, when it stops, and the policies that it gives."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -102,6 +104,18 @@ def test_a_run_that_diverged_has_none_and_the_others_have(monkeypatch: pytest.Mo
     assert trainer.policy(1).header.origin["timestep"] == TIMESTEPS
 
 
-def test_a_wrong_argument_is_refused_before_anything_is_trained() -> None:
-    with pytest.raises(ValueError, match="did you mean 'ddpg'"):
-        algorithms.train("dppg", "Pendulum", [0])
+@pytest.mark.parametrize(
+    ("wrong", "reason"),
+    [
+        ({"algorithm": "dppg"}, "did you mean 'ddpg'"),
+        ({"seeds": 3}, "seeds must be different integers from 0 on, not 3"),
+        ({"weights": 1.0}, "weights must be two numbers, .* not 1.0"),
+        ({"config": {"hiden_units": 8}}, "ddpg: there is no setting 'hiden_units'; did you mean"),
+        ({"config": {"gamma": 2.0, "tau": "?"}}, "ddpg: tau: .*, not '\\?'; gamma: .*, not 2.0"),
+    ],
+)
+def test_a_wrong_argument_is_refused_before_anything_is_trained(
+    wrong: dict[str, Any], reason: str
+) -> None:
+    with pytest.raises(ValueError, match=reason):
+        algorithms.train(**{"algorithm": "ddpg", "environment": "Pendulum", "seeds": [0], **wrong})

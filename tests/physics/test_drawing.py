@@ -42,3 +42,9 @@ def test_the_data_survive_json() -> None:
     assert data["view"] == list(VIEW)
     assert [shape["shape"] for shape in data["shapes"]] == ["capsule", "polygon"]
     assert data["shapes"][0]["radius"] == 0.1
+
+
+def test_an_unknown_role_is_refused_where_the_shape_is_made() -> None:
+    for make in (lambda: disc((0.0, 0.0), 0.1, "goal"), lambda: Polygon((), "goal")):  # type: ignore[arg-type]
+        with pytest.raises(ValueError, match=r"one of ground, body, .*, target, not 'goal'"):
+            make()

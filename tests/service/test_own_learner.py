@@ -12,8 +12,8 @@ from service.settings import Settings
 from service.store.store import Store
 from tests.docs.pages import ROOT, blocks
 from tests.installed_package import install
+from tests.service.trained import train_queued
 from tests.service.training import RANDOM, random_return
-from workers.training.execute import execute
 
 PAGE = ROOT / "docs" / "add-a-learner.md"
 
@@ -22,17 +22,6 @@ PAGE = ROOT / "docs" / "add-a-learner.md"
 def package(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Path:
     (code, _), (project,) = blocks(PAGE, "python"), blocks(PAGE, "toml")
     return install(tmp_path_factory.mktemp("site"), "cem", code, project, monkeypatch)
-
-
-def train(store: Store, settings: Settings) -> None:
-    """Train every queued cohort as a worker does."""
-
-    def never() -> None:
-        raise AssertionError("it was not abandoned")
-
-    while (claim := store.claim_cohort("worker", 60.0)) is not None:
-        for progress in execute(claim.runs, settings.checkpoint_place, tuple, never):
-            store.record(claim, progress)
 
 
 def test_the_pages_sweep(client: TestClient, store: Store, settings: Settings) -> None:
@@ -45,7 +34,7 @@ def test_the_pages_sweep(client: TestClient, store: Store, settings: Settings) -
     answer = client.post("/api/v1/sweeps", json=request)
     assert answer.status_code == 202, answer.text
     sweep = answer.json()["id"]
-    train(store, settings)
+    train_queued(store, settings)
     (panel,) = client.get(f"/api/v1/sweeps/{sweep}/curves").json()["panels"]
     assert [curve["label"] for curve in panel["curves"]] == [
         "ddpg", "cem population=2", "cem population=4",

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 import algorithms
 import physics
 from algorithms.acting.policy import policy_of
-from tests.algorithms.acting.trained import SMALL, evaluated, learner_of, policy_by
+from tests.algorithms.acting.trained import SMALL, evaluated, learner_of, policy_by, untrained
 
 ROUNDING = 2e-6  # of float32, through three layers, and of the learners' own tanh
 
@@ -88,6 +88,21 @@ def test_what_is_no_state_is_refused() -> None:
         policy.act_in(np.zeros(3))
     with pytest.raises(ValueError, match="'features' or 'states'"):
         algorithms.PolicyModule(policy, takes="images")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("environment", physics.names())
+def test_a_header_says_the_features_of_every_task(environment: str) -> None:
+    task = physics.make(environment)
+    states = np.random.default_rng(0).normal(scale=10.0, size=(40, task.state_size))
+    header = policy_of(untrained(task), task, {}).header
+    np.testing.assert_array_equal(header.feature_map.features(states), task.features(states))
+
+
+def test_features_of_another_kind_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    task = physics.make("Pendulum")
+    monkeypatch.setattr(type(task), "features", lambda self, states: np.zeros((len(states), 3)))
+    with pytest.raises(ValueError, match="policy of Pendulum cannot leave training"):
+        policy_of(untrained(task), task, {})
 
 
 def test_it_says_what_it_is_of() -> None:

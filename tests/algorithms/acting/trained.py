@@ -9,8 +9,11 @@ import algorithms
 import physics
 from algorithms.acting.policy import TrainedPolicy, policy_of
 from algorithms.learner import Learner
-from algorithms.networks.policy import Policies, Policy
+from algorithms.networks.parameters import initial_theta
+from algorithms.networks.policy import Policies, Policy, deterministic
 from algorithms.networks.shape import Shape
+from algorithms.snapshot import Snapshot, inside
+from physics.environment import Environment
 
 SMALL: dict[str, dict[str, Any]] = {
     "ddpg": {},
@@ -44,3 +47,12 @@ def evaluated(learner: Any, features: NDArray[np.float64]) -> NDArray[np.float64
     shape: Shape = learner._shape
     policies = Policies([policy], shape)
     return np.concatenate([policies.act(row[None]) for row in features])
+
+
+def untrained(task: Environment) -> Snapshot:
+    """A snapshot of a task's size."""
+    shape = Shape(task.feature_size, (8,), task.action_size)
+    mean = np.zeros(task.feature_size, np.float32)
+    theta = initial_theta(shape, np.random.default_rng(0))
+    policy = deterministic(theta, mean, np.ones_like(mean), task.action_size)
+    return Snapshot(0, task.action_size, inside(shape), policy)
