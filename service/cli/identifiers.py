@@ -35,12 +35,13 @@ def whole_id(text: str) -> str:
     return f"{found[0]}{cut['run'] or ''}" if found else text
 
 
-def _whole_if_given(text: str | None) -> str | None:
-    return text and whole_id(text)
+def _one(context: typer.Context, text: str | None) -> str | None:
+    """Return the whole id, but not while the shell completes: that must not wait for it."""
+    return text if context.resilient_parsing or not text else whole_id(text)
 
 
-def _all_whole(texts: Sequence[str]) -> list[str]:
-    return [whole_id(text) for text in texts]
+def _each(context: typer.Context, texts: Sequence[str]) -> list[str]:
+    return list(texts) if context.resilient_parsing else [whole_id(text) for text in texts]
 
 
 def _beginning(client: Client, text: str) -> Iterator[ListedSweepAnswer]:
@@ -94,17 +95,15 @@ def _argument(
 
 
 SweepId = Annotated[
-    str, _argument("SWEEP", "The id of a sweep, or its beginning.", whole_id, complete_sweep)
+    str, _argument("SWEEP", "The id of a sweep, or its beginning.", _one, complete_sweep)
 ]
 SweepIds = Annotated[
-    list[str], _argument("SWEEP...", "Ids of sweeps, or beginnings.", _all_whole, complete_sweep)
+    list[str], _argument("SWEEP...", "Ids of sweeps, or beginnings.", _each, complete_sweep)
 ]
-MaybeSweepId = Annotated[
-    str | None, _argument("[SWEEP]", "List its runs.", _whole_if_given, complete_sweep)
-]
+MaybeSweepId = Annotated[str | None, _argument("[SWEEP]", "List its runs.", _one, complete_sweep)]
 Identifier = Annotated[
-    str, _argument("ID", "A sweep or a single run, or its beginning.", whole_id, complete_id)
+    str, _argument("ID", "A sweep or a single run, or its beginning.", _one, complete_id)
 ]
 Identifiers = Annotated[
-    list[str], _argument("ID...", "Sweeps and single runs, or beginnings.", _all_whole, complete_id)
+    list[str], _argument("ID...", "Sweeps and single runs, or beginnings.", _each, complete_id)
 ]
