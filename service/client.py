@@ -389,6 +389,10 @@ class Client:
         """Every measurement of a run as rows; numbers are text with all their digits."""
         return list(csv.DictReader(io.StringIO(self.measurements_csv(run_id))))
 
+    def sweep_csv(self, sweep_id: str) -> str:
+        """Every measurement of all runs of a sweep as CSV, a line a measurement; one request."""
+        return self._call("GET", f"/sweeps/{sweep_id}/measurements").text
+
     def curves(
         self,
         sweep_id: str,

@@ -14,14 +14,13 @@ import typer
 from service.analysis.figures.figure_form import MEDIA_TYPES
 from service.analysis.figures.paper_figure import FigureNumber
 from service.analysis.statistics.score import Score
+from service.api.schemas.measurements_answer import SPEC_COLUMNS
 from service.api.schemas.run_answer import RunAnswer
 from service.api.schemas.score_table_answer import StandingAnswer, inert
 from service.cli.identifiers import Identifier, SweepId
 from service.cli.terminal import AsJson, print_json, print_table, say, write_out
 from service.client import Client, TableText
 from service.model.run_name import is_run
-
-SPEC_COLUMNS = ("run", "label", "algorithm", "environment", "w1", "w2", "config", "seed")
 
 Row = dict[str, Any]
 
@@ -39,13 +38,16 @@ def export(
             for run in runs_of(client, identifier):
                 print_json(client.measurements(run.id), indent=None)
             return
-        rows = list(measurement_rows(client, runs_of(client, identifier)))
-    text = written(rows)
+        if is_run(identifier):
+            text = written(list(measurement_rows(client, runs_of(client, identifier))))
+        else:
+            text = client.sweep_csv(identifier)
     if output is None:
         write_out(text)
     else:
         output.write_text(text, encoding="utf-8", newline="")
-        say(f"Wrote {len(rows)} measurements to {output}")
+        lines = sum(1 for _ in csv.reader(io.StringIO(text, newline="")))
+        say(f"Wrote {lines - 1} measurements to {output}")
 
 
 def runs_of(client: Client, identifier: str) -> Iterator[RunAnswer]:
