@@ -15,7 +15,8 @@ from service.analysis.diagnosis import FigureName
 from service.analysis.figures.figure_form import MEDIA_TYPES
 from service.api.schemas.diagnosis_answer import MAX_SEEDS, DiagnosisAnswer
 from service.api.schemas.score_table_answer import inert
-from service.cli.terminal import AsJson, Identifier, console, print_json, say
+from service.cli.identifiers import Identifier
+from service.cli.terminal import AsJson, console, print_json, say
 from service.client import Client
 from service.model.run_name import is_run
 

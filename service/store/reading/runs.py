@@ -103,7 +103,7 @@ def select_runs() -> Select[Any]:
 
 
 def run_of(row: Row[Any]) -> Run:
-    """Read a run off a row of `runs` with its sweep's id."""
+    """Read a run off a row of `runs` with the id of its sweep."""
     name = str(RunName(row.sweep_id, row.ordinal))
     return noun_of(Run, row, id=name, spec=spec_of(row), status=RunStatus(row.status))
 
