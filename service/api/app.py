@@ -90,6 +90,7 @@ def create_app(settings: Settings, store: Store, dispatcher: Workforce) -> FastA
     app.state.event_feed = EventFeed(store)
     app.state.side = SideProcess()
     app.state.checkpoints = settings.checkpoint_place
+    app.state.webhook_hosts = settings.webhook_hosts
     app.state.worker_memory = settings.run_memory
     install_problem_handlers(app, refuse_invalid)
     api = APIRouter(prefix=PREFIX)

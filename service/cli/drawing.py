@@ -11,7 +11,8 @@ import typer
 from service.analysis.comparison import Abscissa
 from service.analysis.figures.design import FontFamily
 from service.analysis.figures.figure_form import MEDIA_TYPES, Form
-from service.cli.terminal import AsJson, SweepId, say
+from service.cli.identifiers import SweepId
+from service.cli.terminal import AsJson, say
 from service.client import Client
 
 Listed = list[str] | None

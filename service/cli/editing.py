@@ -6,10 +6,11 @@ from typing import Annotated
 
 import typer
 
+from service.cli.identifiers import SweepId, SweepIds
 from service.cli.listing import show_sweep
 from service.cli.moving import say_moved
 from service.cli.submitting import counted_runs
-from service.cli.terminal import AsJson, SweepId, errors, plain, print_json, say
+from service.cli.terminal import AsJson, errors, plain, print_json, say
 from service.client import Client
 
 
@@ -28,6 +29,9 @@ def edit(
     max_workers: Annotated[
         int | None, typer.Option(help="Of it at once; 0 lifts the limit.")
     ] = None,
+    webhook: Annotated[
+        str | None, typer.Option(help="URL that is told of its end; none: nobody.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Change the name, notes, tags or priority of a sweep, or archive it; at any time."""
@@ -42,6 +46,7 @@ def edit(
             archived=archive,
             priority=priority,
             max_workers="any" if max_workers == 0 else max_workers,
+            webhook=webhook,
         )
         if as_json:
             print_json(sweep)
@@ -50,7 +55,7 @@ def edit(
 
 
 def rm(
-    sweep_ids: Annotated[list[str], typer.Argument(metavar="SWEEP...", help="Ids of sweeps.")],
+    sweep_ids: SweepIds,
     yes: Annotated[bool, typer.Option("--yes", "-y", help="Do not ask.")] = False,
     as_json: AsJson = False,
 ) -> None:

@@ -15,7 +15,8 @@ from rich.text import Text
 from service.api.schemas.curves_answer import CurveAnswer
 from service.api.schemas.run_answer import RunAnswer
 from service.api.schemas.sweep_answer import SweepAnswer, SweepHead
-from service.cli.terminal import AsJson, SweepId, console, plain, print_table, say, table_of
+from service.cli.identifiers import SweepId
+from service.cli.terminal import AsJson, console, plain, print_json, print_table, say, table_of
 from service.client import Client
 
 MAX_NAME = 24
@@ -57,7 +58,7 @@ def follow(client: Client, sweep_id: str, console: Console, *, as_json: bool = F
 def _followed(client: Client, sweep: SweepAnswer, console: Console, as_json: bool) -> SweepAnswer:
     """Show a sweep until it ends."""
     if as_json:
-        return client.wait(sweep.id, progressed=changes(lambda s: say(s.model_dump_json())))
+        return client.wait(sweep.id, progressed=changes(lambda s: print_json(s, indent=None)))
     show = _follow_live if console.is_terminal else _follow_lines
     return show(client, sweep, console)
 

@@ -52,6 +52,10 @@ class Sweep:
     notes        Markdown, shown as text
     tags         in the order that they were given
     max_workers  that may train its runs at once; None: any number
+    webhook      URL that the end is told; None: nobody
+    webhook_delivered_at  when the latest end was told, or given up; None: it was not
+    webhook_tries         that have failed since it ended
+    webhook_problem       of the last one that failed
     archived     out of the way: lists leave it out unless they are asked for it
     progress     share of the asked timesteps that is done; a run that reached its end counts whole,
                  any other as far as it got
@@ -72,3 +76,7 @@ class Sweep:
     tags: tuple[str, ...]
     archived: bool
     max_workers: int | None
+    webhook: str | None
+    webhook_delivered_at: float | None
+    webhook_tries: int
+    webhook_problem: str

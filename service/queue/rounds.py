@@ -14,9 +14,10 @@ STOP_SECONDS = 1.0
 class Rounds(ABC):
     """`start` begins, `stop` ends. What fails in one round is tried again in the next."""
 
-    def __init__(self, name: str) -> None:
-        """Begin nothing yet; `name` says what is done."""
+    def __init__(self, name: str, seconds: float = ROUND_SECONDS) -> None:
+        """Begin nothing yet; `name` says what is done, `seconds` how long a pause is."""
         self._name = name
+        self._seconds = seconds
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
 
@@ -37,7 +38,7 @@ class Rounds(ABC):
         """Do some of what there is to do; return whether there may be more."""
 
     def _run(self) -> None:
-        while not self._stopping.wait(ROUND_SECONDS):
+        while not self._stopping.wait(self._seconds):
             try:
                 while self.work() and not self._stopping.is_set():
                     pass

@@ -34,6 +34,7 @@ from service.store.claiming import (
     run_moves,
     sweep_edits,
     sweep_moves,
+    webhooks,
 )
 from service.store.claiming.retry import RetryPolicy
 from service.store.connection import connect
@@ -216,6 +217,9 @@ class Store:
         if not self.read(claims.has_expired):  # usually: then nothing is written
             return 0
         return self.write(endings.lose_expired, self._retry)
+
+    due_webhooks = _reads(webhooks.due)
+    note_webhook = _writes(webhooks.note)
 
     # ---- throwing away
 

@@ -67,6 +67,11 @@ sweeps = Table(
     Column("archived_at", Double),
     Column("deleted_at", Double),  # nobody sees it any more; its rows and files go bit by bit
     Column("max_workers", Integer),
+    Column("webhook", Text),  # a URL
+    Column("webhook_delivered_at", Double),  # of the latest end; also where that was given up
+    Column("webhook_tries", Integer, nullable=False, default=0, server_default="0"),
+    Column("webhook_problem", Text, nullable=False, default="", server_default=""),
+    Column("webhook_not_before", Double, nullable=False, default=0.0, server_default="0"),
     sqlite_autoincrement=True,
 )
 

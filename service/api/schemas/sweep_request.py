@@ -20,10 +20,12 @@ from service.api.schemas.sweep_edit import (
     NOTES_TEXT,
     PRIORITY_TEXT,
     TAGS_TEXT,
+    WEBHOOK_TEXT,
     MaxWorkers,
     Notes,
     Priority,
     Tags,
+    WebhookURL,
 )
 from service.api.schemas.texts import Name, Request, label_text, storable
 
@@ -199,3 +201,4 @@ class SweepRequest(Request):
     )
     priority: Priority = Field(default=0, description=PRIORITY_TEXT)
     max_workers: MaxWorkers | None = Field(default=None, description=MAX_WORKERS_TEXT)
+    webhook: WebhookURL | None = Field(default=None, description=WEBHOOK_TEXT)

@@ -39,6 +39,7 @@ def create(
     notes: str = "",
     tags: Sequence[str] = (),
     max_workers: int | None = None,
+    webhook: str | None = None,
     environment_versions: Mapping[str, int],
     submission_key: str | None = None,
 ) -> Sweep:
@@ -63,6 +64,7 @@ def create(
         submission_key=submission_key,
         notes=notes,
         max_workers=max_workers,
+        webhook=webhook,
     )
     number = connection.execute(heading.returning(sweeps.c.number)).scalar_one()
     connection.execute(
