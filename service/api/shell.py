@@ -48,7 +48,9 @@ def wants_page(request: HTTPConnection) -> bool:
 
 def address_of(request: HTTPConnection) -> str:
     """Return the path and query of a request, to come back to."""
-    return f"{request.url.path}?{request.url.query}".rstrip("?")
+    path: str = request.scope["path"]
+    query: bytes = request.scope.get("query_string", b"")
+    return f"{path}?{query.decode('latin-1')}" if query else path
 
 
 @cache

@@ -54,7 +54,7 @@ def test_a_band_below_zero_leaves_a_logarithmic_axis_logarithmic(signed_in: Page
 def test_what_presets_say_where(signed_in: Page) -> None:
     def told(*values: tuple[str, str]) -> Any:
         shown = [{"name": name, "text": text} for name, text in values]
-        return call(signed_in, "submit/learner_fields", "presetText", shown, "0.2")
+        return call(signed_in, "submit/values", "presetText", shown, "0.2")
 
     assert told() == "0.2"
     assert told(("MassPoint", "0.2"), ("CartPole", "0.2")) == "0.2"

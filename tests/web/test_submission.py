@@ -193,7 +193,9 @@ def test_several_entries_of_an_algorithm_lists_and_labels_come_back(
     assert again.request == first.request
 
 
-def test_an_entry_is_added_and_removed(signed_in: Page, live: LiveService) -> None:
+def test_an_entry_is_added_and_removed(
+    signed_in: Page, live: LiveService, complaints: list[str]
+) -> None:
     signed_in.get_by_role("button", name="New sweep").click()
     signed_in.locator("[name=algorithm][value=ddpg]").first.check()
     signed_in.locator("[name=environment][value=Pendulum]").check()
@@ -206,3 +208,5 @@ def test_an_entry_is_added_and_removed(signed_in: Page, live: LiveService) -> No
     expect(signed_in.locator("#estimate")).to_contain_text("3 × 1 × 4 seeds = 12 runs")
     signed_in.get_by_role("button", name="Remove this entry of ddpg").click()
     expect(signed_in.locator("#estimate")).to_contain_text("1 × 1 × 4 seeds = 4 runs")
+    assert all("422" in each for each in complaints)  # the new entry was the first one's equal
+    complaints.clear()

@@ -654,3 +654,22 @@ def test_two_settings_are_a_heat_map(signed_in: Page, live: LiveService) -> None
     expect(rows.first.locator("td")).to_have_text([re.compile(r"0\.\d+")] * 2)
     signed_in.get_by_label("Drawn as").select_option("parallel")
     expect(signed_in.locator("#map polyline")).to_have_count(6)
+
+
+def test_the_browser_tells_when_a_sweep_is_done(
+    signed_in: Page, live: LiveService, sweep: Sweep
+) -> None:
+    """Also where the tab is hidden, so that the page itself fetches nothing."""
+    signed_in.add_init_script(
+        """globalThis.Notification = class {
+          static requestPermission() { return Promise.resolve("granted"); }
+          constructor(title, { body }) { document.body.dataset.told = `${title}: ${body}`; }
+        };"""
+    )
+    signed_in.goto(f"{live.url}/sweeps/{sweep.id}")
+    button = signed_in.get_by_role("button", name="Tell me when it is done")
+    button.click()
+    told = signed_in.get_by_role("button", name="Will tell you")
+    expect(told).to_have_attribute("aria-pressed", "true")
+    live.train(9600, 20_000)
+    expect(signed_in.locator("body")).to_have_attribute("data-told", "first look: finished")

@@ -8,6 +8,7 @@ the same bytes, so a picture can be compared and cached.
 import math
 import textwrap
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -47,6 +48,7 @@ LEGEND_ROW_INCHES = 0.18
 HANDLE_LENGTHS = 4.0  # of the font's size: a whole pattern of dashes and dots
 CAPTION_CHARACTERS_PER_INCH = 133.0  # at a size of one point
 FAINT = 0.35
+REFERENCE = "0.45"
 
 
 class Place(NamedTuple):
@@ -129,7 +131,7 @@ def _height(down: int, styles: Mapping[str, Style], across: int, design: Design)
 
 
 def _draw_place(ax: Axes, place: Place, design: Design, styles: Mapping[str, Style]) -> None:
-    draw_panel(ax, place.panel, styles, design)
+    draw_panel(ax, place.panel, styles, design, references_of(place.comparison, place.panel))
     if design.is_log_x:
         ax.set_xscale("log")
     else:
@@ -159,12 +161,30 @@ def _label(axes: NDArray[Any], places: Sequence[Place]) -> None:
             ax.set_title("")
 
 
+def references_of(comparison: Comparison, panel: Panel) -> dict[str, float]:
+    """Return where the random policy and the largest reward lie, as far as that is known."""
+    view, random = comparison.view, panel.random_return
+    if view.metric not in RETURNS or random is None:
+        return {}
+    return {"random": 0.0, "maximum": 1.0} if view.normalized else {"random": random.mean}
+
+
 def draw_panel(
-    ax: Axes, panel: Panel, styles: Mapping[str, Style], design: Design | None = None
+    ax: Axes,
+    panel: Panel,
+    styles: Mapping[str, Style],
+    design: Design | None = None,
+    references: Mapping[str, float] = MappingProxyType({}),
 ) -> None:
-    """Draw the curves of an environment, each in the style of its label."""
+    """Draw the curves of an environment, each in the style of its label, and lines to compare."""
     design = design or Design()
-    values = _line_values(panel, design)
+    for name, value in references.items():
+        ax.axhline(value, color=REFERENCE, linestyle=(0, (3, 3)), linewidth=0.6, zorder=1)
+        ax.annotate(
+            name, (1, value), xycoords=ax.get_yaxis_transform(), ha="right", va="bottom",
+            fontsize="small", color=REFERENCE,
+        )  # fmt: skip
+    values = np.append(_line_values(panel, design), list(references.values()))
     scale = y_scale(values, is_log=design.is_log_y)
     for one in panel.curves:
         _draw_curve(ax, one, styles[one.label], design, scale)

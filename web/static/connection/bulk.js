@@ -8,6 +8,7 @@ const DONE = {
   resume: "resumed",
   retry: "queued again",
   cancel: "cancelled",
+  uncancel: "queued again",
   delete: "deleted",
   archive: "archived",
   unarchive: "out of the archive",

@@ -68,7 +68,7 @@ const COLUMNS = "environment,curve,algorithm,w1,w2,metric,normalized,band,x_axis
 /**
  * The service's curves as CSV (RFC 4180), a line per point, values in full precision.
  *
- * @param {Api.Curves} comparison
+ * @param {Pick<Api.Curves, "metric" | "normalized" | "band" | "x" | "panels">} comparison
  * @returns {string}
  */
 export function toCsv(comparison) {
@@ -93,4 +93,18 @@ export function toCsv(comparison) {
 function quoted(value) {
   const text = String(value ?? "");
   return /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
+}
+
+/**
+ * Let the browser save a text as a file.
+ *
+ * @param {string} text
+ * @param {string} name
+ */
+export function saveText(text, name) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([text], { type: "text/csv" }));
+  link.download = name;
+  link.click();
+  URL.revokeObjectURL(link.href);
 }

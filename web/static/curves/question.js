@@ -35,3 +35,18 @@ export function question(view) {
 export function isNormalized(view) {
   return RETURNS.includes(view.get("metric")) && view.get("scale") === "normalized";
 }
+
+/**
+ * What the view shows of curves that were answered for several sweeps, as an answer says it.
+ *
+ * @param {View<Fields>} view
+ * @returns {Pick<Api.Curves, "metric" | "normalized" | "band" | "x">}
+ */
+export function comparisonOf(view) {
+  return {
+    metric: view.get("metric"),
+    normalized: isNormalized(view),
+    band: question(view).band ?? "std",
+    x: view.get("x"),
+  };
+}

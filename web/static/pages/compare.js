@@ -1,6 +1,7 @@
 /** Two or more sweeps or runs: their curves on one axis, their settings side by side. */
+import { saveText, toCsv } from "../curves/curve_table.js";
 import { MetricChoice } from "../curves/metric_choice.js";
-import { question } from "../curves/question.js";
+import { comparisonOf, question } from "../curves/question.js";
 import { CurvesSection } from "../curves/section.js";
 import { get, refusalOf } from "../connection/api.js";
 import { follow } from "../connection/live.js";
@@ -8,9 +9,10 @@ import { Refresh } from "../connection/refresh.js";
 import * as connection from "../connection/state.js";
 import { Controls } from "../parts/controls.js";
 import { at, element, keyed, setText } from "../parts/element.js";
-import { COMPARISON_FIELDS, flag, list, View } from "../parts/view.js";
-import { comparedRun, comparedSweep, overlaid, overlaidEntries } from "../sweep/compared.js";
-import { fillDifferences } from "../sweep/differences.js";
+import { COMPARISON_FIELDS, flag, list, oneOf, View } from "../parts/view.js";
+import { comparedRun, comparedSweep, overlaid, overlaidEntries } from "../compare/compared.js";
+import { fillDifferences } from "../compare/differences.js";
+import { showScores } from "../compare/scores.js";
 
 const OFFERED = 200;
 
@@ -18,9 +20,10 @@ const view = new View({
   ...COMPARISON_FIELDS,
   sweep: list, // ids
   run: list, // ids
+  score: oneOf("final", "return_history", "area"),
   same: flag, // whether settings that agree are shown
 });
-/** @import { Compared } from "../sweep/compared.js" */
+/** @import { Compared } from "../compare/compared.js" */
 
 const same = at("same", HTMLInputElement);
 const offered = at("add", HTMLSelectElement);
@@ -35,18 +38,22 @@ let compared = [];
 
 if (view.get("run").length > 0) view.set({ band: "none" }); // a single run has none
 new Controls(at("controls", HTMLFormElement), view);
-new MetricChoice(at("controls", HTMLFormElement), view);
+new Controls(at("score-controls", HTMLFormElement), view);
+const metrics = new MetricChoice(at("controls", HTMLFormElement), view);
 
 follow("", (kind) => {
   if (kind !== "run") refresh.request();
 });
 offerSweeps();
 view.onChange((fields) => {
-  const asked = ["metric", "scale", "x", "band", "seeds", "sweep", "run"];
+  const asked = ["metric", "scale", "x", "band", "seeds", "sweep", "run", "score"];
   if (fields.some((field) => asked.includes(field))) refresh.hurry();
   else draw();
 });
 document.addEventListener("themechange", draw);
+at("download-csv").addEventListener("click", () => {
+  saveText(toCsv({ ...comparisonOf(view), panels: overlaid(compared) }), "comparison.csv");
+});
 same.checked = view.get("same");
 same.addEventListener("change", () => view.set({ same: same.checked }));
 offered.addEventListener("change", () => {
@@ -70,6 +77,9 @@ async function load(signal) {
   at("missing").hidden = true;
   draw();
   connection.fresh();
+  const names = view.get("sweep").map((id) => get(`/sweeps/${id}/metrics`, {}, signal));
+  metrics.offer((await Promise.all(names)).flat());
+  await showScores(compared, view, signal);
 }
 
 function draw() {

@@ -1,5 +1,5 @@
 /** A sweep's page: its state, its curves as they grow, its scores. */
-import { toCsv } from "../curves/curve_table.js";
+import { saveText, toCsv } from "../curves/curve_table.js";
 import { MetricChoice } from "../curves/metric_choice.js";
 import { question } from "../curves/question.js";
 import { CurvesSection } from "../curves/section.js";
@@ -11,6 +11,7 @@ import { DiagnosisSection } from "../diagnosis/section.js";
 import { Controls } from "../parts/controls.js";
 import { at, setText } from "../parts/element.js";
 import { COMPARISON_FIELDS, flag, oneOf, text, View } from "../parts/view.js";
+import { DoneNotice } from "../sweep/done_notice.js";
 import { FigureBuilder } from "../sweep/figure_builder.js";
 import { FIGURE_FIELDS } from "../sweep/figure_query.js";
 import { SweepHead } from "../sweep/head.js";
@@ -53,6 +54,7 @@ const refreshStatistics = new Refresh((signal) => statistics.load(signal), {
 });
 const head = new SweepHead(id, "", () => refreshSweep.hurry(), hideAll);
 const figures = new PaperFigures(view);
+const notice = new DoneNotice(id);
 const entries = () => head.sweep?.entries ?? [];
 const maps = new SettingsMaps(view, entries);
 const scores = new ScoreTable(
@@ -76,6 +78,7 @@ const stream = follow(id, (kind) => {
   if (kind === "diagnosis") return;
   refreshSweep.request();
   requestVerdict();
+  notice.changed();
   if (kind === "run") return;
   refreshCurves.request();
   requestRest();
@@ -93,6 +96,7 @@ at("copy-link").addEventListener("click", copyLink);
 async function loadSweep(signal) {
   const isFirst = head.sweep === null;
   await head.load(signal);
+  if (head.sweep !== null) notice.offer(head.sweep);
   if (!isFirst || head.sweep === null) return;
   draw();
   requestVerdict();
@@ -149,7 +153,7 @@ function draw() {
   if (JSON.stringify(question(view)) !== answered) return;
   const xMax = comparison.x === "timesteps" ? timestepsOf(head.sweep.request) : null;
   curves.draw(comparison.panels, entries(), xMax);
-  builder.update(comparison.panels, entries());
+  builder.update(comparison.panels, entries(), xMax);
   setText(at("definition"), comparison.definition);
 }
 
@@ -165,12 +169,7 @@ function timestepsOf({ timesteps, scale = 1 }) {
 
 function downloadCsv() {
   if (comparison === null) return;
-  const blob = new Blob([toCsv(comparison)], { type: "text/csv" });
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(blob);
-  link.download = `sweep-${id}-${comparison.metric}.csv`;
-  link.click();
-  URL.revokeObjectURL(link.href);
+  saveText(toCsv(comparison), `sweep-${id}-${comparison.metric}.csv`);
 }
 
 async function copyLink() {

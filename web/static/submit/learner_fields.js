@@ -3,6 +3,14 @@ import { element } from "../parts/element.js";
 import { algorithmColour } from "../parts/palette.js";
 import { swatch } from "../parts/swatch.js";
 import { settings } from "../texts/schema.js";
+import {
+  presetText,
+  readSetting,
+  readWeights,
+  settingText,
+  writeSetting,
+  writeWeights,
+} from "./values.js";
 
 const WEIGHTS_HINT = "Pairs, each a curve of its own: 0.1, 0.1; 0.01, 0. A list is a grid: [0.1, 1], 0";
 const GRID_HINT = "A list is a grid, every combination a curve: 0.1, 0.2";
@@ -232,89 +240,4 @@ function settingField(owner, setting) {
   const input = element("input", { type: "text", id, autocomplete: "off" });
   const label = element("label", { for: id }, `${setting.name} (${setting.kind})`);
   return { input, setting, node: element("div", { class: "field" }, label, input) };
-}
-
-/**
- * What presets say in some environments: one value, or each with its environment.
- *
- * @param {{ name: string, text: string }[]} values
- * @param {string} usual what is said without any environment
- * @returns {string}
- */
-export function presetText(values, usual) {
-  const texts = [...new Set(values.map(({ text }) => text))];
-  if (texts.length < 2) return texts[0] ?? usual;
-  const where = (/** @type {string} */ text) => values.filter((each) => each.text === text);
-  const parts = texts.map((text) => `${text} in ${where(text).map(({ name }) => name).join(", ")}`);
-  return parts.join("; ");
-}
-
-/**
- * @param {unknown} value
- * @returns {string}
- */
-function settingText(value) {
-  return value === undefined || value === null ? "" : JSON.stringify(value).replaceAll('"', "");
-}
-
-/**
- * "0.1, 0.1; 0.01, 0" as the request has it; what is no number is for the service to refuse.
- *
- * @param {string} text
- * @returns {object | null}
- */
-export function readWeights(text) {
-  const pairs = text.split(";").map((pair) => pair.trim());
-  const read = pairs.filter(Boolean).map((pair) => {
-    const [w1, w2] = asList(pair) ?? pair.split(",").map((each) => each.trim());
-    return { w1, ...(w2 === undefined ? {} : { w2 }) };
-  });
-  if (read.length === 0) return null;
-  return read.length === 1 ? read[0] : read;
-}
-
-/**
- * @param {Api.AlgorithmRequest["weights"]} weights
- * @returns {string}
- */
-function writeWeights(weights) {
-  if (weights === undefined || weights === null) return "";
-  const text = (/** @type {number | number[]} */ value) => JSON.stringify(value).replaceAll(",", ", ");
-  return [weights].flat().map(({ w1 = 0, w2 = 0 }) => `${text(w1)}, ${text(w2)}`).join("; ");
-}
-
-/**
- * A number, truth value or list where the text is one, else the text; several with commas between
- * them are a list.
- *
- * @param {string} text
- * @returns {unknown}
- */
-export function readSetting(text) {
-  const values = asList(text);
-  if (values === null) return text;
-  return values.length === 1 ? values[0] : values;
-}
-
-/**
- * The values between commas, where each is one of JSON or a number that Python reads too.
- *
- * @param {string} text
- * @returns {unknown[] | null}
- */
-function asList(text) {
-  try {
-    return JSON.parse(`[${text.replaceAll("−", "-")}]`);
-  } catch {
-    return null;
-  }
-}
-
-/**
- * @param {unknown} value
- * @returns {string}
- */
-function writeSetting(value) {
-  if (!Array.isArray(value)) return JSON.stringify(value).replaceAll(/^"|"$/g, "");
-  return value.map((each) => JSON.stringify(each)).join(", ");
 }

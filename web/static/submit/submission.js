@@ -2,8 +2,9 @@
 import { get, isDropped, post, refusalOf } from "../connection/api.js";
 import { at, element, field, setText } from "../parts/element.js";
 import { clearFaults, showFaults } from "../parts/faults.js";
-import { LearnerFields, readSetting } from "./learner_fields.js";
+import { LearnerFields } from "./learner_fields.js";
 import { estimateText, fillPlan } from "./plan.js";
+import { readSetting } from "./values.js";
 
 /**
  * @import { Field, View } from "../parts/view.js"

@@ -25,6 +25,8 @@ export class FigureBuilder {
   #showTasks;
   /** @type {Api.Panel[]} */
   #panels = [];
+  /** @type {number | null} */
+  #xMax = null;
   #drawn = "";
   /** @type {ReturnType<typeof setTimeout> | undefined} */
   #timer;
@@ -57,9 +59,11 @@ export class FigureBuilder {
    *
    * @param {Api.Panel[]} panels
    * @param {Entry[]} entries
+   * @param {number | null} xMax where the x axis ends, if that is known
    */
-  update(panels, entries) {
+  update(panels, entries, xMax) {
     this.#panels = panels;
+    this.#xMax = xMax;
     for (const form of FORMS) {
       const link = at(`download-${form === "csv" ? "data" : form}`, HTMLAnchorElement);
       link.href = this.#address(form);
@@ -90,7 +94,7 @@ export class FigureBuilder {
    * @returns {string}
    */
   #address(form) {
-    return address(`/sweeps/${this.#id}/plot.${form}`, figureQuery(this.#view, this.#panels));
+    return address(`/sweeps/${this.#id}/plot.${form}`, figureQuery(this.#view, this.#panels, this.#xMax));
   }
 
   #draw() {
@@ -108,7 +112,7 @@ export class FigureBuilder {
   /** Say why there is no picture: its data are refused for the same reasons. */
   async #tellFault() {
     try {
-      const query = figureQuery(this.#view, this.#panels);
+      const query = figureQuery(this.#view, this.#panels, this.#xMax);
       await get(`/sweeps/${this.#id}/plot.csv`, query);
     } catch (error) {
       setText(at("figure-state"), refusalOf(error).message);

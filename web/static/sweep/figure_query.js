@@ -31,9 +31,10 @@ export const FIGURE_FIELDS = {
 /**
  * @param {View<Fields>} view
  * @param {Api.Panel[]} panels as on the screen
+ * @param {number | null} xMax where the x axis ends there, if that is known
  * @returns {FigureQuery}
  */
-export function figureQuery(view, panels) {
+export function figureQuery(view, panels, xMax) {
   const { metric, max_points, ...asked } = question(view);
   const width = view.get("width");
   return {
@@ -44,8 +45,8 @@ export function figureQuery(view, panels) {
     smoothing: view.get("smoothing"),
     logx: view.get("logx"),
     logy: view.get("logy"),
-    xmin: view.get("from"),
-    xmax: view.get("to"),
+    xmin: view.get("from") ?? (view.get("logx") ? null : 0),
+    xmax: view.get("to") ?? xMax,
     ymin: view.get("ymin"),
     ymax: view.get("ymax"),
     robust: view.get("robust"),

@@ -41,7 +41,7 @@ export class SweepHead {
         if (await deleteSweep(sweep)) location.assign("/");
       }),
     );
-    for (const verb of /** @type {const} */ (["pause", "resume", "retry"])) {
+    for (const verb of /** @type {const} */ (["pause", "resume", "retry", "uncancel"])) {
       at(verb).addEventListener("click", () => this.#act(() => post(`/sweeps/${id}/${verb}`)));
     }
   }
@@ -101,4 +101,5 @@ function showActions(sweep) {
   at("pause").hidden = sweep.runs.queued === 0;
   at("resume").hidden = sweep.status !== "paused" && sweep.runs.paused === 0;
   at("retry").hidden = sweep.runs.failed === 0;
+  at("uncancel").hidden = sweep.runs.cancelled === 0;
 }

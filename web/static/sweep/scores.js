@@ -145,7 +145,7 @@ function after([isWhole, mean], [isOtherWhole, other]) {
  * @param {Identities} known
  * @returns {HTMLElement}
  */
-function bodyRow({ label, entries }, decimals, known) {
+export function bodyRow({ label, entries }, decimals, known) {
   const name = element("th", { scope: "row" }, swatch(identityOf(known, label)), label);
   return element("tr", {}, name, ...entries.map((entry) => valueCell(entry, decimals)));
 }

@@ -57,7 +57,7 @@ export class SettingsMaps {
     const names = varied(this.#entries());
     at("settings-maps").hidden = this.#answer === null || names.length === 0;
     if (this.#answer === null || names.length === 0) return;
-    offer("map-task", ["", ...this.#answer.environments], "mean over tasks", this.#view.get("map_task"));
+    offer("map-task", ["", ...this.#answer.environments], "all tasks, mean", this.#view.get("map_task"));
     offer("map-x", names, "", this.#view.get("map_x") || names[0]);
     offer("map-y", names, "", this.#view.get("map_y") || (names[1] ?? names[0]));
     const points = pointsOf(this.#answer, this.#entries(), this.#view.get("map_task"));

@@ -256,8 +256,8 @@ def test_a_figure_is_as_wide_as_a_column(reader: TestClient, trained: str) -> No
         {"normalized": False, "logy": True},
     ],
 )
-def test_a_figure_in_every_look(reader: TestClient, trained: str, query: dict[str, object]) -> None:
-    answer = reader.get(f"{trained}/plot.svg", params=query)  # type: ignore[arg-type]
+def test_a_figure_in_every_look(reader: TestClient, trained: str, query: dict[str, Any]) -> None:
+    answer = reader.get(f"{trained}/plot.svg", params=query)
     assert answer.status_code == 200, answer.text
     assert texts(answer.content)
 
@@ -275,9 +275,9 @@ def test_a_figure_in_every_look(reader: TestClient, trained: str, query: dict[st
     ],
 )
 def test_a_figure_that_cannot_be_drawn_is_refused_by_field(
-    reader: TestClient, trained: str, query: dict[str, object], field: str, told: str
+    reader: TestClient, trained: str, query: dict[str, Any], field: str, told: str
 ) -> None:
-    refusal = reader.get(f"{trained}/plot.pdf", params=query)  # type: ignore[arg-type]
+    refusal = reader.get(f"{trained}/plot.pdf", params=query)
     assert refusal.status_code == 422
     faults = {fault["field"]: fault["message"] for fault in refusal.json()["errors"]}
     assert told in faults[field]

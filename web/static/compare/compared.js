@@ -131,7 +131,7 @@ export function overlaidEntries(compared) {
  * @param {Compared[]} compared
  * @returns {T}
  */
-function labelled(thing, { id, name }, compared) {
+export function labelled(thing, { id, name }, compared) {
   const isUnique = compared.filter((other) => other.name === name).length === 1;
   return { ...thing, label: `${thing.label} · ${isUnique ? name : `${name} (${id})`}` };
 }
