@@ -28,6 +28,8 @@ class Algorithm:
         needs_reward_gradient: whether it refuses tasks whose reward is not differentiable.
         memory: "module:function" of `(environment, weights, timesteps, config) -> bytes` that a run
             fills; empty if that is negligible.
+        can_go_on: whether a run of more timesteps has, up to the end of a shorter one, the bits of
+            that, so that it can be taken up there; not so where a step size is annealed.
         extends: the algorithm that it equals, bit for bit, with weights (0, 0); empty for none.
         core_seconds: core-seconds of 1,000 timesteps under the preset, by task; used for estimates
             until runs have finished.
@@ -40,6 +42,7 @@ class Algorithm:
     uses_weights: bool = False
     needs_reward_gradient: bool = False
     memory: str = ""
+    can_go_on: bool = False
     extends: str = ""
     core_seconds: Mapping[str, float] = field(default_factory=dict)
 
@@ -90,6 +93,7 @@ DDPG = Algorithm(
     builder="algorithms.actor_critic.ddpg:build",
     config="algorithms.settings:DDPGConfig",
     memory="algorithms.memory:of_replay",
+    can_go_on=True,
     core_seconds={
         "MassPoint": 0.11, "CartPole": 0.09, "CartPoleSwingUp": 0.1, "Pendulum": 0.08,
         "MountainCar": 0.1, "Acrobot": 0.1, "RollingDie": 0.08, "HalfCheetah": 0.11,
@@ -102,6 +106,7 @@ TD3 = Algorithm(
     builder="algorithms.actor_critic.td3:build",
     config="algorithms.settings:TD3Config",
     memory="algorithms.memory:of_replay",
+    can_go_on=True,
     core_seconds={
         "MassPoint": 0.15, "CartPole": 0.15, "CartPoleSwingUp": 0.15, "Pendulum": 0.15,
         "MountainCar": 0.15, "Acrobot": 0.16, "RollingDie": 0.16, "HalfCheetah": 0.18,
@@ -114,6 +119,7 @@ SAC = Algorithm(
     builder="algorithms.actor_critic.sac:build",
     config="algorithms.settings:SACConfig",
     memory="algorithms.memory:of_replay",
+    can_go_on=True,
     core_seconds={
         "MassPoint": 0.22, "CartPole": 0.22, "CartPoleSwingUp": 0.22, "Pendulum": 0.21,
         "MountainCar": 0.21, "Acrobot": 0.22, "RollingDie": 0.22, "HalfCheetah": 0.25,

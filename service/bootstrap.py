@@ -6,12 +6,14 @@ from functools import partial
 
 from fastapi import FastAPI
 
+from service.api.access_token import webhook_secret
 from service.api.app import create_app
 from service.data_dir import owned
 from service.queue.checkpoint_removal import CheckpointRemoval
 from service.queue.dispatch import Dispatcher
 from service.queue.disposal import Disposal
 from service.queue.question_rounds import QuestionRounds
+from service.queue.webhooks import Webhooks
 from service.queue.worker_memory import runs_at_once
 from service.settings import Settings
 from service.store.store import Store
@@ -45,7 +47,13 @@ def wired(settings: Settings) -> Iterator[FastAPI]:
             )
             app = create_app(settings, store, dispatcher)
             chores = (
-                CheckpointRemoval(store, settings.checkpoint_place),
+                CheckpointRemoval(store, settings.checkpoint_place, settings.keep_checkpoints),
+                Webhooks(
+                    store,
+                    partial(webhook_secret, settings),
+                    settings.webhook_hosts,
+                    settings.url,
+                ),
                 Disposal(store, settings.checkpoint_place, settings.retention),
                 QuestionRounds(store),
             )

@@ -219,6 +219,8 @@ class Client:
         tags: Sequence[str] | None = None,
         archived: bool | None = None,
         priority: int | None = None,
+        max_workers: int | Literal["any"] | None = None,
+        webhook: str | Literal["none"] | None = None,
     ) -> SweepAnswer:
         """Change how a sweep is described, found and ranked; None leaves a field as it is.
 
@@ -229,8 +231,10 @@ class Client:
             tags: replace those that it has.
             archived: whether lists leave it out.
             priority: sweeps with a higher one start first.
+            max_workers: how many may train its runs at once; "any" lifts the limit.
+            webhook: URL that is told when all runs have ended; "none" for none.
         """
-        fields = {
+        fields: dict[str, Any] = {
             "name": name,
             "notes": notes,
             "tags": None if tags is None else list(tags),
@@ -238,6 +242,10 @@ class Client:
             "priority": priority,
         }
         changes = {field: value for field, value in fields.items() if value is not None}
+        if max_workers is not None:
+            changes["max_workers"] = None if max_workers == "any" else max_workers
+        if webhook is not None:
+            changes["webhook"] = None if webhook == "none" else webhook
         answer = self._call("PATCH", f"/sweeps/{sweep_id}", json=changes)
         return SweepAnswer.model_validate_json(answer.content)
 
@@ -260,11 +268,11 @@ class Client:
         return [AttemptAnswer.model_validate(attempt) for attempt in answer]
 
     def move(self, identifier: str, move: Move) -> SweepAnswer | RunAnswer:
-        """Cancel, pause, resume or retry a sweep, or a single run.
+        """Cancel, pause, resume, retry or uncancel a sweep, or a single run.
 
         Args:
             identifier: a sweep's id, or a run's (`<sweep>-<number>`).
-            move: "cancel", "pause", "resume" or "retry".
+            move: "cancel", "pause", "resume", "retry" or "uncancel".
 
         Returns:
             The sweep or the run afterwards.
@@ -286,6 +294,30 @@ class Client:
         """
         asked = {"move": move, "ids": list(identifiers)}
         return BulkAnswer.model_validate_json(self._call("POST", "/moves", json=asked).content)
+
+    def add_seeds(self, sweep_id: str, seeds: Sequence[int]) -> SweepAnswer:
+        """Add runs of these seeds to every curve of a sweep."""
+        return self._add(sweep_id, {"seeds": list(seeds)})
+
+    def add_entries(self, sweep_id: str, algorithms: Sequence[Mapping[str, Any]]) -> SweepAnswer:
+        """Add entries to a sweep, with its seeds, in every one of its tasks.
+
+        Args:
+            sweep_id: the sweep.
+            algorithms: as in a request.
+        """
+        return self._add(sweep_id, as_json({"algorithms": list(algorithms)}))
+
+    def extend(self, sweep_id: str, timesteps: int) -> SweepAnswer:
+        """Give the runs of a sweep more timesteps; those that ended go on from where they did.
+
+        They come to the bits of runs that were as long from the start.
+        """
+        return self._add(sweep_id, {"timesteps": timesteps})
+
+    def _add(self, sweep_id: str, added: Mapping[str, Any]) -> SweepAnswer:
+        answer = self._call("POST", f"/sweeps/{sweep_id}/runs", json=added).content
+        return SweepAnswer.model_validate_json(answer)
 
     def delete(self, sweep_id: str) -> DeletionAnswer:
         """Delete a sweep that has ended, with all that it measured and learned, for good."""

@@ -70,6 +70,11 @@ class Settings(BaseSettings):
         ge=LEAST_BYTES,
         description="What the runs of one worker may fill, such as 6GB",
     )
+    keep_checkpoints: ByteSize = Field(
+        default=ByteSize(2 * 10**9),
+        ge=0,
+        description="What the last checkpoints of runs that ended may fill, such as 2GB; 0: none",
+    )
     keep_policies: float | None = Field(
         default=None, gt=0, description="Days that what a run learned is kept after its end"
     )
@@ -79,12 +84,19 @@ class Settings(BaseSettings):
     token: SecretStr | None = Field(
         default=None, description="Access token, instead of the token file's"
     )
+    webhook_secret: SecretStr | None = Field(
+        default=None, description="What webhooks are signed with, instead of its file's"
+    )
+    webhook_hosts: Annotated[tuple[str, ...], NoDecode] = Field(
+        default=(),
+        description="The only hosts that webhooks may name, separated by commas; any if unset",
+    )
     allow_host: Annotated[tuple[str, ...], NoDecode] = Field(
         default=(),
         description="Host names to answer to besides loopback, separated by commas",
     )
 
-    @field_validator("allow_host", mode="before")
+    @field_validator("allow_host", "webhook_hosts", mode="before")
     @classmethod
     def _split_at_commas(cls, value: object) -> object:
         if isinstance(value, str):

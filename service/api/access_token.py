@@ -11,6 +11,7 @@ from service.settings import Settings
 
 TOKEN_BYTES = 24
 FILE_NAME = "token"
+WEBHOOK_FILE_NAME = "webhook-secret"
 
 
 def access_token(settings: Settings) -> str:
@@ -28,6 +29,15 @@ def access_token(settings: Settings) -> str:
             f"{file} can be read by other users, so its token is no secret: delete it (the next "
             "start makes a new one) or, if you trust them, run: chmod 600 " + str(file)
         )
+    return file.read_text(encoding="utf-8").strip()
+
+
+def webhook_secret(settings: Settings) -> str:
+    """Return `settings.webhook_secret`, else that of a file, made at first use (mode 0600)."""
+    if settings.webhook_secret is not None:
+        return settings.webhook_secret.get_secret_value()
+    file = settings.data_dir / WEBHOOK_FILE_NAME
+    _create_unless_there(file)
     return file.read_text(encoding="utf-8").strip()
 
 
@@ -52,7 +62,7 @@ def _create_unless_there(file: Path) -> None:
     """Write a new token whole or not at all, and never over another process's."""
     if file.exists():
         return
-    draft = file.with_name(f".{FILE_NAME}-{secrets.token_hex(8)}")
+    draft = file.with_name(f".{file.name}-{secrets.token_hex(8)}")
     descriptor = os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
     try:
         with os.fdopen(descriptor, "w", encoding="utf-8") as stream:

@@ -27,6 +27,7 @@ from service.api.routes import (
     documentation,
     events,
     figures,
+    growth,
     health,
     measurements,
     moves,
@@ -49,6 +50,7 @@ RESOURCES = (
     sweeps,
     runs,
     moves,
+    growth,
     rollouts,
     measurements,
     curves,
@@ -86,6 +88,7 @@ def create_app(settings: Settings, store: Store, dispatcher: Workforce) -> FastA
     app.state.event_feed = EventFeed(store)
     app.state.side = SideProcess()
     app.state.checkpoints = settings.checkpoint_place
+    app.state.webhook_hosts = settings.webhook_hosts
     app.state.worker_memory = settings.run_memory
     install_problem_handlers(app, refuse_invalid)
     api = APIRouter(prefix=PREFIX)

@@ -44,6 +44,7 @@ TheSide = Annotated[Side, _held("side")]
 TheStore = Annotated[Store, _held("store")]
 TheEventFeed = Annotated[EventFeed, _held("event_feed")]
 TheWorkerMemory = Annotated[int, _held("worker_memory")]
+TheWebhookHosts = Annotated[tuple[str, ...], _held("webhook_hosts")]
 TheWorkforce = Annotated[Workforce, _held("dispatcher")]
 
 

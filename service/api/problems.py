@@ -12,7 +12,7 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from http import HTTPStatus
-from typing import Any
+from typing import Any, TypeVar
 
 import structlog
 from asgi_correlation_id import correlation_id
@@ -30,9 +30,11 @@ from sqlalchemy.exc import DBAPIError
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 
+from service.store.refusal import ImpossibleMoveError
 from service.store.upkeep.trouble import AFTERWARDS, Trouble, find_trouble
 
 MEDIA_TYPE = "application/problem+json"
+Moved = TypeVar("Moved")
 LIMIT_KEYS = ("ge", "gt", "le", "lt", "min_length", "max_length", "multiple_of", "expected")
 MAX_FAULTS = 100
 MAX_ECHO = 100
@@ -60,6 +62,7 @@ class InvalidRequest(UnprocessableProblem):
 
     def __init__(self, faults: Sequence[Fault]) -> None:
         """Refuse for these reasons; there is at least one."""
+        self.faults = faults
         shown = [asdict(fault) for fault in faults[:MAX_FAULTS]]
         super().__init__(summary(faults), errors=shown)
 
@@ -110,6 +113,15 @@ class InternalError(StatusProblem):
         super().__init__(
             f"It is in the service's log under request id {correlation_id.get()}.", **extras
         )
+
+
+def refusing(move: Callable[[], Moved]) -> Moved:
+    """Return what a move returns. Raises ImpossibleMove with the store's reason."""
+    try:
+        return move()
+    except ImpossibleMoveError as refusal:
+        text = str(refusal)
+        raise ImpossibleMove(f"{text[0].upper()}{text[1:]}.") from refusal
 
 
 def summary(faults: Sequence[Fault]) -> str:

@@ -16,6 +16,7 @@ import typer
 from rich.console import Console
 
 from service.cli import paper
+from service.cli.adding import add, extend
 from service.cli.asking import ask
 from service.cli.editing import edit, rm
 from service.cli.exporting import export, plot, table
@@ -41,8 +42,8 @@ app = typer.Typer(
 app.add_typer(db.app)
 app.add_typer(paper.app)
 COMMANDS: tuple[Callable[..., None], ...] = (
-    serve, submit, ask, ls, show, edit, watch, *map(command_of, TRANSITIONS), rm, export, table,
-    plot, rollout, verify, doctor,
+    serve, submit, ask, ls, show, edit, watch, *map(command_of, TRANSITIONS), rm, add, extend,
+    export, table, plot, rollout, verify, doctor,
 )  # fmt: skip
 for command in COMMANDS:
     app.command()(command)

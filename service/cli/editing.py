@@ -25,6 +25,12 @@ def edit(
         bool | None, typer.Option("--archive/--unarchive", help="Out of the lists, or back.")
     ] = None,
     priority: Annotated[int | None, typer.Option(help="Higher goes first.")] = None,
+    max_workers: Annotated[
+        int | None, typer.Option(help="Of it at once; 0 lifts the limit.")
+    ] = None,
+    webhook: Annotated[
+        str | None, typer.Option(help="URL that is told of its end; none: nobody.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Change the name, notes, tags or priority of a sweep, or archive it; at any time."""
@@ -38,6 +44,8 @@ def edit(
             tags=[] if untag else tag or None,
             archived=archive,
             priority=priority,
+            max_workers="any" if max_workers == 0 else max_workers,
+            webhook=webhook,
         )
         if as_json:
             print_json(sweep)

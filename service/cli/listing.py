@@ -136,6 +136,8 @@ def show_sweep(sweep: SweepAnswer, url: str) -> None:
     if sweep.tags:
         say(f"tags       {', '.join(sweep.tags)}")
     say(f"page       {url}/sweeps/{sweep.id}")
+    if sweep.webhook is not None:
+        say(f"webhook    {sweep.webhook.url} {sweep.webhook.problem}".rstrip())
     for line in sweep.notes.splitlines():
         say(f"  {line}")
 

@@ -42,6 +42,12 @@ def submit(
         list[str] | None, typer.Option(help="What it is found by; may be repeated.")
     ] = None,
     priority: Annotated[int | None, typer.Option(help="Higher goes first.")] = None,
+    max_workers: Annotated[
+        int | None, typer.Option(help="That may train its runs at once.")
+    ] = None,
+    webhook: Annotated[
+        str | None, typer.Option(help="URL that is told, by a signed POST, when it has ended.")
+    ] = None,
     key: Annotated[
         str | None, typer.Option(help="Submitted again under this text, it is the same sweep.")
     ] = None,
@@ -62,6 +68,8 @@ def submit(
         "notes": notes,
         "tags": tag or None,
         "priority": priority,
+        "max_workers": max_workers,
+        "webhook": webhook,
     }
     given = {field: value for field, value in flags.items() if value is not None}
     if file is None and not {"algorithms", "environments"} <= given.keys():

@@ -1,4 +1,4 @@
-"""What users ask of sweeps and runs: cancel, pause, resume, retry.
+"""What users ask of sweeps and runs: cancel, pause, resume, retry, uncancel.
 
 `TRANSITIONS` is the one list of them: the store, the API and the command line follow it.
 """
@@ -9,7 +9,7 @@ from typing import Literal
 
 from service.model.run import RunStatus
 
-Move = Literal["cancel", "pause", "resume", "retry"]
+Move = Literal["cancel", "pause", "resume", "retry", "uncancel"]
 
 
 @dataclass(frozen=True)
@@ -92,6 +92,22 @@ TRANSITIONS: Mapping[Move, Transition] = {
         of_run=Words(
             "Queue a failed run again; what it measured and its attempts stay.",
             "tried again on request",
+        ),
+    ),
+    "uncancel": Transition(
+        frozenset({RunStatus.CANCELLED}),
+        RunStatus.QUEUED,
+        change="uncancelled",
+        none_left="none of its runs was cancelled",
+        help="Queue cancelled runs again, and only those; what they measured stays.",
+        of_sweep=Words(
+            "Queue its cancelled runs again, and only those; "
+            "what they measured and their attempts stay.",
+            "queued again on request",
+        ),
+        of_run=Words(
+            "Queue a cancelled run again; what it measured and its attempts stay.",
+            "queued again on request",
         ),
     ),
 }

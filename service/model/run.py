@@ -2,7 +2,8 @@
 
 paused <-> queued -> running -> succeeded | failed | diverged | cancelled
               ^---------'  (its worker was lost, or its lease expired)
-              ^--------------------------'  (somebody asked for a retry)
+              ^--------------------------'  (somebody asked for it: a retry of what failed or was
+                                             cancelled, more timesteps for what succeeded)
 """
 
 from collections import Counter
@@ -15,7 +16,7 @@ from workers.messages.run_spec import RunSpec
 
 
 class RunStatus(StrEnum):
-    """Where a run stands. Final states never change, but that users may retry what failed."""
+    """Where a run stands. Final states never change, but that users may ask for it."""
 
     QUEUED = "queued"
     """Waits for a worker. Also after a worker was lost, with the reason and a later start."""

@@ -51,6 +51,11 @@ class Sweep:
     request      what was posted, and what was added to it since
     notes        Markdown, shown as text
     tags         in the order that they were given
+    max_workers  that may train its runs at once; None: any number
+    webhook      URL that the end is told; None: nobody
+    webhook_delivered_at  when the latest end was told, or given up; None: it was not
+    webhook_tries         that have failed since it ended
+    webhook_problem       of the last one that failed
     archived     out of the way: lists leave it out unless they are asked for it
     progress     share of the asked timesteps that is done; a run that reached its end counts whole,
                  any other as far as it got
@@ -72,3 +77,8 @@ class Sweep:
     notes: str
     tags: tuple[str, ...]
     archived: bool
+    max_workers: int | None
+    webhook: str | None
+    webhook_delivered_at: float | None
+    webhook_tries: int
+    webhook_problem: str

@@ -15,7 +15,7 @@ class Rounds(ABC):
     """`start` begins, `stop` ends. What fails in one round is tried again in the next."""
 
     def __init__(self, name: str, seconds: float = ROUND_SECONDS) -> None:
-        """Begin nothing yet; `name` says what is done, every so many seconds."""
+        """Begin nothing yet; `name` says what is done, `seconds` how long a pause is."""
         self._name = name
         self._seconds = seconds
         self._stopping = threading.Event()

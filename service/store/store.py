@@ -30,10 +30,12 @@ from service.store.claiming import (
     claims,
     deletion,
     endings,
+    growth,
     question_batches,
     run_moves,
     sweep_edits,
     sweep_moves,
+    webhooks,
 )
 from service.store.claiming.retry import RetryPolicy
 from service.store.connection import connect
@@ -136,6 +138,10 @@ class Store:
     sweep_outlines = _reads(standings.outlines)
     sweep_tags = _reads(sweep_names.all_tags)
     edit_sweep = _writes(sweep_edits.edit)
+    sweep_cells = _reads(growth.cells)
+    add_seeds = _writes(growth.add_seeds)
+    add_entries = _writes(growth.add_entries)
+    extend_sweep = _writes(growth.extend)
     delete_sweep = _writes(deletion.delete_sweep)
     move_all = _writes(bulk.move_all)
     move_sweep = _writes(sweep_moves.move_sweep)
@@ -155,6 +161,8 @@ class Store:
     fail = _writes(endings.fail)
     release = _writes(endings.release)
     ended_with_checkpoints = _reads(checkpoints.of_ended)
+    keep_checkpoints = _writes(checkpoints.keep)
+    checkpoints_beyond = _reads(checkpoints.kept_beyond)
     forget_checkpoints = _writes(checkpoints.forget)
 
     def claim_cohort(
@@ -211,6 +219,9 @@ class Store:
         if not self.read(claims.has_expired):  # usually: then nothing is written
             return 0
         return self.write(endings.lose_expired, self._retry)
+
+    due_webhooks = _reads(webhooks.due)
+    note_webhook = _writes(webhooks.note)
 
     # ---- throwing away
 

@@ -31,6 +31,7 @@ from sqlalchemy import (
     Text,
     UniqueConstraint,
     false,
+    func,
     literal,
     text,
 )
@@ -68,11 +69,17 @@ sweeps = Table(
     Column("archived_at", Double),
     Column("deleted_at", Double),  # nobody sees it any more; its rows and files go bit by bit
     Column("max_workers", Integer),
+    Column("webhook", Text),  # a URL
+    Column("webhook_delivered_at", Double),  # of the latest end; also where that was given up
+    Column("webhook_tries", Integer, nullable=False, default=0, server_default="0"),
+    Column("webhook_problem", Text, nullable=False, default="", server_default=""),
+    Column("webhook_not_before", Double, nullable=False, default=0.0, server_default="0"),
     sqlite_autoincrement=True,
 )
 _open = text("question = 'open'")
 Index("ix_sweeps_open", sweeps.c.number, sqlite_where=_open, postgresql_where=_open)
 
+is_asking = (func.coalesce(sweeps.c.question, "") == "open") & sweeps.c.cancelled_at.is_(None)
 is_there = sweeps.c.deleted_at.is_(None)
 
 sweep_names = Table(

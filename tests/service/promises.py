@@ -12,12 +12,16 @@ from typing import Any
 from sqlalchemy import Engine
 
 from service.model.claim import Claim
+from service.model.move import Move
 from service.model.question import Question
 from service.model.run import FINAL, RunStatus
 from service.model.run_name import RunName
 from service.queue.question_rounds import next_batch
 from service.store.store import Store
 from tests.service.fake_pool import CYCLE, measurement_of
+
+AGAIN = {("retry", RunStatus.FAILED), ("uncancel", RunStatus.CANCELLED)}
+"""What users may have begun again of what has ended."""
 
 
 @dataclass
@@ -74,8 +78,9 @@ class Promises:
         return {
             run.run_id
             for run in claim.runs
-            if self.models[run.run_id].status == RunStatus.RUNNING
-            and self.models[run.run_id].attempt == run.attempt
+            if (model := self.models.get(run.run_id)) is not None
+            and model.status == RunStatus.RUNNING
+            and model.attempt == run.attempt
         }
 
     def waiting(self) -> set[str]:
@@ -92,7 +97,7 @@ class Promises:
         return {name for name in self.models if sweep_of(name) == sweep_id}
 
     @contextmanager
-    def touching(self, runs: Collection[str], *, is_retry: bool = False) -> Iterator[None]:
+    def touching(self, runs: Collection[str], *, asked: Move | None = None) -> Iterator[None]:
         """Change the store: events are of these runs alone, and the others keep their leases."""
         before = self.leases()
         yield
@@ -102,20 +107,20 @@ class Promises:
                 name = event.payload["run_id"]
                 assert name in runs, f"{name} was changed by what may not: {event.payload}"
                 if event.kind == "run":
-                    self._check_move(name, event.payload, is_retry)
+                    self._check_move(name, event.payload, asked)
                 else:
                     self._check_measured(name, event.payload)
         after = self.leases()
         for name in before.keys() - set(runs):
             assert after.get(name) == before[name], f"the lease of {name} was changed"
 
-    def _check_move(self, name: str, payload: Mapping[str, Any], is_retry: bool) -> None:
+    def _check_move(self, name: str, payload: Mapping[str, Any], asked: Move | None) -> None:
         """Final states never change, and an attempt is opened by a claim alone.
 
         An event that finds a run running tells more of its attempt: where it was taken up.
         """
         model, status = self.models[name], str(payload["status"])
-        may_change = model.status not in FINAL or (is_retry and model.status == RunStatus.FAILED)
+        may_change = model.status not in FINAL or (asked, model.status) in AGAIN
         assert may_change, f"{name} was {model.status} and became {status}"
         begins = status == RunStatus.RUNNING != model.status
         assert payload["attempt"] == model.attempt + begins

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 from service.model.move import Move
-from service.model.run import RunStatus
+from service.model.run import FINAL, RunStatus
 from service.store.refusal import ImpossibleMoveError, NotFoundError
 from tests.service.promises import Promises, sweep_of
 from workers.messages.run_spec import RunSpec
@@ -79,6 +79,7 @@ class SimulatedUsers:
             "pause": RunStatus.QUEUED,
             "resume": RunStatus.PAUSED,
             "retry": RunStatus.FAILED,
+            "uncancel": RunStatus.CANCELLED,
         }
         asked = self.random.choice(list(fitting))
         return self.ask(asked, self.any_run(fitting[asked]))
@@ -109,6 +110,30 @@ class SimulatedUsers:
         sweep_id = sweep_of(self.any_run(RunStatus.FAILED))
         return self.ask("retry", sweep_id)
 
+    def delete_sweep(self) -> bool:
+        """Delete any sweep that has ended: nothing of it is seen or changed any more."""
+        sweep_id = sweep_of(self.any_run(RunStatus.SUCCEEDED))
+        own = self.promises.of(sweep_id)
+        try:
+            with self.promises.touching(set()):
+                self.store.delete_sweep(sweep_id)
+        except (ImpossibleMoveError, NotFoundError):
+            return False
+        for name in own:
+            assert self.models.pop(name).status in FINAL
+        self.tell(f"a client: delete {sweep_id}")
+        return True
+
+    def purge(self) -> bool:
+        """Throw a part of what was deleted away."""
+        with self.promises.touching(set()):
+            gone = self.store.deleted_runs(1)
+            if gone:
+                self.store.purge_runs(gone)
+            else:
+                self.store.purge_sweep()
+        return bool(gone)
+
     def any_run(self, fitting: RunStatus) -> str:
         """Any run; as often as not one for which what is asked for makes sense."""
         suited = [name for name, model in self.models.items() if model.status == fitting]
@@ -128,7 +153,7 @@ class SimulatedUsers:
         runs = {name} if is_run else self.promises.of(name)
         move = self.store.move_run if is_run else self.store.move_sweep
         try:
-            with self.promises.touching(runs, is_retry=asked == "retry"):
+            with self.promises.touching(runs, asked=asked):
                 move(name, asked)
         except (ImpossibleMoveError, NotFoundError):
             return False

@@ -146,6 +146,8 @@ class Simulation:
             (self.users.pause_sweep, 0.5),
             (self.users.resume_sweep, 1),
             (self.users.retry_sweep, 0.6),
+            (self.users.delete_sweep, 0.5),
+            (self.users.purge, 1),
             (self.crash, 0.8),
             (self.vanish, 0.3),
             (self.retire, 0.5),
@@ -320,7 +322,7 @@ class Simulation:
         missing = {(*cell, seed) for cell, seeds in batch.items() for seed in seeds} - have
         added = self.store.go_on_asking(sweep_id, seen, batch)
         assert added == (len(missing) if is_current else 0)
-        assert self.promises.add(sweep_id) == added
+        assert self.store.find_sweep(sweep_id) is None or self.promises.add(sweep_id) == added
         self.tell(f"sweep {sweep_id} had {seen} runs: {added} were added")
         return True
 

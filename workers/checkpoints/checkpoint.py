@@ -38,7 +38,7 @@ from workers.checkpoints.checkpoint_folder import (
 )
 from workers.checkpoints.folder import Folder
 from workers.checkpoints.journal import Beginning, Journal, pieces
-from workers.checkpoints.manifest import Manifest, spec_digest
+from workers.checkpoints.manifest import Manifest, can_go_on, spec_digest
 from workers.checkpoints.patience import Patience, answered, without_patience
 from workers.checkpoints.place import Place, folder_in
 from workers.checkpoints.sealed_file import DamagedError
@@ -80,6 +80,7 @@ class Checkpoints:
         self._seed = assignment.spec.seed
         self._task = assignment.spec.environment
         self._spec = spec_digest(assignment.spec)
+        self._can_go_on = can_go_on(assignment.spec)
         self._fingerprint = fingerprint
         self._mixed_with: Sequence[str] = ()
         self._kept: list[str] = []  # the files of the last two, the newer one last
@@ -131,6 +132,17 @@ class Checkpoints:
             self._kept = [*self._kept[-1:], name]
         finally:
             self._remove_what_is_not_kept()
+
+    def save_end(self, learner: Learner, measurements: Sequence[Measurement]) -> bool:
+        """Write a last checkpoint, if a longer run could be taken up there; return whether.
+
+        Not so off the grid of measurements, where only the end of the run was measured. Raises
+        OSError.
+        """
+        is_start = self._can_go_on and learner.timestep % MEASURE_EVERY == 0
+        if is_start:
+            self.save(learner, measurements)
+        return is_start
 
     def save_policy(self, learner: Learner) -> None:
         """Write what has been learned, where there is such a thing. Raises OSError."""

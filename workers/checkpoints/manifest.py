@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from algorithms import catalogue
 from algorithms.measurement import Measurement
 from workers.checkpoints.journal import Beginning
 from workers.checkpoints.sealed_file import DamagedError
@@ -14,11 +15,17 @@ from workers.messages.run_spec import RunSpec
 FORMAT = 2
 
 
+def can_go_on(spec: RunSpec) -> bool:
+    """Whether the run has the bits of a shorter one up to that one's end."""
+    algorithm = catalogue.known(spec.algorithm)
+    return algorithm is not None and algorithm.can_go_on
+
+
 @dataclass(frozen=True)
 class Manifest:
     """One checkpoint of a run.
 
-    spec         digest of the run's spec
+    spec         digest of what the run's bits up to there depend on
     timestep     environment steps the run had taken
     fingerprint  of the worker that wrote it
     mixed_with   how the workers of earlier attempts differed from it; empty while none did
@@ -52,6 +59,9 @@ class Manifest:
 
 
 def spec_digest(spec: RunSpec) -> str:
-    """The SHA-256 of a spec."""
-    text = json.dumps(spec.to_json(), sort_keys=True, separators=(",", ":"), allow_nan=False)
+    """The SHA-256 of a spec; where its run can go on, whatever its timesteps."""
+    fields = spec.to_json()
+    if can_go_on(spec):
+        del fields["timesteps"]
+    text = json.dumps(fields, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()

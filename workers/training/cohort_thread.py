@@ -12,6 +12,7 @@ import threading
 import time
 from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -220,6 +221,17 @@ class CohortThread:
             self._news.checkpoints.append(CheckpointAttempt(seed, learner.timestep, problem))
         self._save_policy(learner, seed)
 
+    def _save_end(self, learner: Learner, seed: int, patience: Patience) -> None:
+        """Write what has been learned by the end and, for a longer run, where it ended.
+
+        Where the latter fails, a longer run is taken up before, or begins anew.
+        """
+        with suppress(OSError):
+            if self._checkpoints[seed].save_end(learner, self._measured[seed]):
+                with self._lock:
+                    self._news.checkpoints.append(CheckpointAttempt(seed, learner.timestep, ""))
+        self._save_policy(learner, seed, patience)
+
     def _save_policy(
         self, learner: Learner, seed: int, patience: Patience = without_patience
     ) -> None:
@@ -275,8 +287,7 @@ class CohortThread:
             self._measured[entry.seed].append(entry)
         for seed in [*remaining, *finished]:
             self._try_to_write(seed, learner, self._checkpoints[seed].save_epoch)
-        last = partial(self._save_policy, learner, patience=self._patience())
-        self._at_once(last, finished)
+        self._at_once(partial(self._save_end, learner, patience=self._patience()), finished)
         with self._lock:
             self._news.measurements.extend(measured)
             self._news.diverged.extend(diverged)

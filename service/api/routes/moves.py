@@ -6,12 +6,11 @@ with the reason.
 
 from collections.abc import Callable
 from http import HTTPStatus
-from typing import TypeVar
 
 from fastapi import APIRouter
 
 from service.api.context import TheLabel, TheRun, TheStore, TheSweep
-from service.api.problems import ImpossibleMove
+from service.api.problems import refusing
 from service.api.schemas.bulk import (
     BulkAnswer,
     BulkRequest,
@@ -23,14 +22,11 @@ from service.api.schemas.sweep_answer import SweepAnswer
 from service.model.move import TRANSITIONS, Move
 from service.model.run import Run
 from service.model.sweep import Sweep
-from service.store.refusal import ImpossibleMoveError
 from service.store.store import Store
 
 router = APIRouter()
 sweeps = APIRouter(prefix="/sweeps/{sweep_id}", tags=["sweeps"])
 runs = APIRouter(prefix="/runs/{run_id}", tags=["runs"])
-
-Moved = TypeVar("Moved")
 
 
 @router.post("/moves", tags=["sweeps"], status_code=HTTPStatus.ACCEPTED)
@@ -62,15 +58,6 @@ def _move_of_run(asked: Move) -> Callable[[Run, str, Store], RunAnswer]:
         return RunAnswer.of(refusing(lambda: store.move_run(run.id, asked)), label)
 
     return move
-
-
-def refusing(move: Callable[[], Moved]) -> Moved:
-    """Return what a move returns. Raises ImpossibleMove with the store's reason."""
-    try:
-        return move()
-    except ImpossibleMoveError as refusal:
-        text = str(refusal)
-        raise ImpossibleMove(f"{text[0].upper()}{text[1:]}.") from refusal
 
 
 for asked, transition in TRANSITIONS.items():

@@ -7,12 +7,13 @@ from fastapi import APIRouter, Header, Query, Response
 from fastapi.responses import JSONResponse
 
 from service.analysis.cost import cell_costs
-from service.api.context import TheStore, TheWorkerMemory, TheWorkforce
+from service.api.context import TheStore, TheWebhookHosts, TheWorkerMemory, TheWorkforce
 from service.api.problems import Fault, InvalidRequest
 from service.api.schemas.sweep_answer import DryRunAnswer, SweepAnswer
 from service.api.schemas.sweep_request import SweepRequest
 from service.api.submission.plan import plan
 from service.api.submission.route import SubmissionRoute
+from service.api.submission.webhook import refuse_webhook
 from service.store.refusal import SubmissionKeyReusedError
 
 router = APIRouter(prefix="/sweeps", tags=["sweeps"], route_class=SubmissionRoute)
@@ -40,6 +41,7 @@ def submit_sweep(
     store: TheStore,
     workforce: TheWorkforce,
     worker_memory: TheWorkerMemory,
+    webhook_hosts: TheWebhookHosts,
     dry_run: Annotated[
         bool, Query(description="Only say what would be queued, and about what it would cost.")
     ] = False,
@@ -50,6 +52,7 @@ def submit_sweep(
     Submitted again under the same `Idempotency-Key`, it is the same sweep, for as long as that is
     kept; the key with another request is refused.
     """
+    refuse_webhook(request.webhook, webhook_hosts)
     planned = plan(request, worker_memory)
     if dry_run:
         past = store.past_costs(planned.algorithms, planned.environment_versions)
@@ -65,6 +68,8 @@ def submit_sweep(
             entries=planned.places(),
             notes=request.notes,
             tags=request.tags,
+            max_workers=request.max_workers,
+            webhook=request.webhook,
             environment_versions=planned.environment_versions,
             submission_key=idempotency_key,
         )

@@ -5,12 +5,13 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request, Response
 from pydantic import Field
 
-from service.api.context import TheStore, TheSweep
+from service.api.context import TheStore, TheSweep, TheWebhookHosts
 from service.api.schemas.listed_sweep_answer import SPARKLINE_POINTS, ListedSweepAnswer
 from service.api.schemas.page import Page, PageQuery, page_of, read_cursor
 from service.api.schemas.sweep_answer import SweepAnswer
 from service.api.schemas.sweep_edit import OneTag, SweepEdit
 from service.api.schemas.texts import MAX_NAME, Name, Text
+from service.api.submission.webhook import refuse_webhook
 from service.model.environment import best_return
 from service.model.standing import best_of
 from service.model.sweep import SweepStatus
@@ -58,8 +59,11 @@ def list_sweeps(
 
 
 @router.patch("/{sweep_id}")
-def edit_sweep(sweep: TheSweep, edit: SweepEdit, store: TheStore) -> SweepAnswer:
-    """Change how a sweep is described, found and ranked; at any time."""
+def edit_sweep(
+    sweep: TheSweep, edit: SweepEdit, store: TheStore, webhook_hosts: TheWebhookHosts
+) -> SweepAnswer:
+    """Change how a sweep is described, found, ranked and told of; at any time."""
+    refuse_webhook(edit.webhook, webhook_hosts)
     return SweepAnswer.of(store.edit_sweep(sweep.id, edit.changes))
 
 

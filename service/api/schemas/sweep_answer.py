@@ -178,6 +178,15 @@ class DryRunAnswer(BaseModel):
         )
 
 
+class WebhookAnswer(BaseModel):
+    """Where the end of a sweep is told, and how that stands."""
+
+    url: str
+    delivered_at: datetime | None = Field(description="When the latest end was told or given up.")
+    tries: int = Field(description="That have failed since the sweep ended.")
+    problem: str = Field(description="Of the last try that failed; empty where it succeeded.")
+
+
 class SweepHead(BaseModel):
     """What lists and answers say of a sweep."""
 
@@ -240,6 +249,8 @@ class SweepAnswer(SweepHead):
                     "tags": ["paper"],
                     "archived": False,
                     "notes": "After the *first* look.",
+                    "max_workers": None,
+                    "webhook": None,
                     "request": {"name": "weights on Pendulum", "seeds": 16},
                     "entries": [
                         {"label": "ddpg", "algorithm": "ddpg"},
@@ -253,6 +264,8 @@ class SweepAnswer(SweepHead):
     )
 
     notes: str = Field(description="Markdown, shown as text.")
+    webhook: WebhookAnswer | None
+    max_workers: int | None = Field(description="That may train its runs at once; null: any.")
     request: Mapping[str, Any] = Field(
         description="What was posted, with the seeds and entries that were added since."
     )
@@ -268,6 +281,8 @@ class SweepAnswer(SweepHead):
         return cls(
             **head_of(sweep),
             notes=sweep.notes,
+            max_workers=sweep.max_workers,
+            webhook=_webhook(sweep),
             request=sweep.request,
             entries=[
                 EntryAnswer(label=entry.label, algorithm=entry.algorithm)
@@ -282,6 +297,18 @@ class SweepAnswer(SweepHead):
                 **{f"figure_{number}": f"{link}/figures/{number}.png" for number in figures},
             },
         )
+
+
+def _webhook(sweep: Sweep) -> WebhookAnswer | None:
+    if sweep.webhook is None:
+        return None
+    told_at = sweep.webhook_delivered_at
+    return WebhookAnswer(
+        url=sweep.webhook,
+        delivered_at=None if told_at is None else as_time(told_at),
+        tries=sweep.webhook_tries,
+        problem=sweep.webhook_problem,
+    )
 
 
 def figures_of(request: Mapping[str, Any]) -> list[str]:

@@ -5,6 +5,7 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, ConfigDict, Field
 
 from service.api.schemas.texts import Name, Request, Text, label_text
+from service.model.webhook import MAX_URL, webhook_url
 
 MAX_NOTES = 20_000
 MAX_TAG = 50
@@ -13,6 +14,8 @@ NAME_TEXT = "Any text; shown and stored exactly as it is."
 NOTES_TEXT = "Markdown, shown as text."
 TAGS_TEXT = "Short texts that sweeps are found by."
 PRIORITY_TEXT = "Higher goes first."
+WEBHOOK_TEXT = "URL that is told, by a signed POST, when all runs have ended; null: none."
+MAX_WORKERS_TEXT = "Of the sweep at once; null: any number."
 
 
 def distinct(values: list[str]) -> list[str]:
@@ -27,6 +30,8 @@ Notes = Annotated[Text, Field(max_length=MAX_NOTES)]
 OneTag = Annotated[Text, Field(min_length=1, max_length=MAX_TAG), AfterValidator(label_text)]
 Tags = Annotated[list[OneTag], Field(max_length=MAX_TAGS), AfterValidator(distinct)]
 Priority = Annotated[int, Field(ge=-1000, le=1000)]
+WebhookURL = Annotated[Text, Field(min_length=1, max_length=MAX_URL), AfterValidator(webhook_url)]
+MaxWorkers = Annotated[int, Field(ge=1, le=4096)]
 
 
 class SweepEdit(Request):
@@ -41,6 +46,8 @@ class SweepEdit(Request):
                     "tags": ["paper", "pendulum"],
                     "archived": False,
                     "priority": 5,
+                    "max_workers": 2,
+                    "webhook": "https://hooks.example.org/d3pg",
                 }
             ]
         }
@@ -51,6 +58,8 @@ class SweepEdit(Request):
     tags: Tags = Field(default=[], description=f"{TAGS_TEXT} They replace those that it has.")
     archived: bool = Field(default=False, description="Lists leave archived sweeps out.")
     priority: Priority = Field(default=0, description=f"{PRIORITY_TEXT} Of runs that wait.")
+    max_workers: MaxWorkers | None = Field(default=None, description=MAX_WORKERS_TEXT)
+    webhook: WebhookURL | None = Field(default=None, description=WEBHOOK_TEXT)
 
     @property
     def changes(self) -> dict[str, Any]:

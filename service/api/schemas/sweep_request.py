@@ -16,13 +16,17 @@ from pydantic import (
 from algorithms.presets import SMALLEST_WEIGHT
 from service.api.schemas.question.question_request import QuestionRequest
 from service.api.schemas.sweep_edit import (
+    MAX_WORKERS_TEXT,
     NAME_TEXT,
     NOTES_TEXT,
     PRIORITY_TEXT,
     TAGS_TEXT,
+    WEBHOOK_TEXT,
+    MaxWorkers,
     Notes,
     Priority,
     Tags,
+    WebhookURL,
 )
 from service.api.schemas.texts import Name, Request, label_text, storable
 
@@ -213,6 +217,8 @@ class SweepRequest(Request):
         "A list is a grid.",
     )
     priority: Priority = Field(default=0, description=PRIORITY_TEXT)
+    max_workers: MaxWorkers | None = Field(default=None, description=MAX_WORKERS_TEXT)
+    webhook: WebhookURL | None = Field(default=None, description=WEBHOOK_TEXT)
     question: QuestionRequest | None = Field(
         default=None,
         description="What the sweep is to find out: the service adds seeds until it is decided.",

@@ -10,7 +10,7 @@ that brings those of the checkpoint: a curve is never made of two.
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from sqlalchemy import Connection, Row, delete, select, update
+from sqlalchemy import ColumnElement, Connection, Row, delete, func, select, update
 
 from service.model.run import FINAL, RunStatus
 from service.model.run_name import RunName
@@ -141,12 +141,43 @@ def _say(connection: Connection, said: Sequence[tuple[Row[Any], str, int]]) -> N
         events.append(connection, told_of)
 
 
-def of_ended(connection: Connection, limit: int) -> list[str]:
-    """Return runs that have ended and may have files of checkpoints."""
+def of_ended(connection: Connection, limit: int) -> dict[str, bool]:
+    """Return runs that have ended and may have files of checkpoints, but those that are kept.
+
+    And of each whether it has one of its end, from where a longer run could go on.
+    """
+    is_whole = (runs.c.status == RunStatus.SUCCEEDED) & (
+        runs.c.checkpoint_timestep == runs.c.timesteps
+    )
     query = (
-        select(sweeps.c.id, runs.c.ordinal)
+        select(sweeps.c.id, runs.c.ordinal, is_whole)
         .join(sweeps, sweeps.c.number == runs.c.sweep_number)
-        .where(runs.c.may_have_files, runs.c.status.in_(FINAL))
+        .where(runs.c.may_have_files, runs.c.status.in_(FINAL), runs.c.kept_bytes.is_(None))
+        .limit(limit)
+    )
+    found = connection.execute(query)
+    return {str(RunName(sweep_id, ordinal)): whole for sweep_id, ordinal, whole in found}
+
+
+def keep(connection: Connection, sizes: Mapping[str, int]) -> None:
+    """Note how large the checkpoints are that ended runs keep, unless they go on meanwhile."""
+    for run_id, size in sizes.items():
+        connection.execute(update(runs).where(has_ended(run_id)).values(kept_bytes=size))
+
+
+def kept_beyond(connection: Connection, most_bytes: int, limit: int) -> list[str]:
+    """Return runs whose checkpoints are too many bytes with those of all that ended later."""
+    newest_first = (runs.c.finished_at.desc(), runs.c.number.desc())
+    total = func.sum(runs.c.kept_bytes).over(order_by=newest_first)
+    kept = (
+        select(runs.c.sweep_number, runs.c.ordinal, total.label("total"))
+        .where(runs.c.may_have_files, runs.c.status.in_(FINAL), runs.c.kept_bytes.is_not(None))
+        .subquery()
+    )
+    query = (
+        select(sweeps.c.id, kept.c.ordinal)
+        .join(sweeps, sweeps.c.number == kept.c.sweep_number)
+        .where(kept.c.total > most_bytes)
         .limit(limit)
     )
     return [str(RunName(*row)) for row in connection.execute(query)]
@@ -154,14 +185,14 @@ def of_ended(connection: Connection, limit: int) -> list[str]:
 
 def forget(connection: Connection, run_ids: Sequence[str]) -> None:
     """Note that these runs have no files of checkpoints, unless they were tried again meanwhile."""
-    for name in map(RunName.parse, run_ids):
-        number = select(sweeps.c.number).where(sweeps.c.id == name.sweep_id)
-        connection.execute(
-            update(runs)
-            .where(
-                runs.c.sweep_number == number.scalar_subquery(),
-                runs.c.ordinal == name.ordinal,
-                runs.c.status.in_(FINAL),
-            )
-            .values(checkpoint_timestep=0, may_have_files=False)
-        )
+    values = {"checkpoint_timestep": 0, "may_have_files": False, "kept_bytes": None}
+    for run_id in run_ids:
+        connection.execute(update(runs).where(has_ended(run_id)).values(values))
+
+
+def has_ended(run_id: str) -> ColumnElement[bool]:
+    """Return the condition that picks a run if it has ended."""
+    name = RunName.parse(run_id)
+    number = select(sweeps.c.number).where(sweeps.c.id == name.sweep_id).scalar_subquery()
+    is_run = (runs.c.sweep_number == number) & (runs.c.ordinal == name.ordinal)
+    return is_run & runs.c.status.in_(FINAL)

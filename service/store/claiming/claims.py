@@ -25,7 +25,7 @@ from sqlalchemy import (
 from service.model.claim import CellLimit, Claim
 from service.model.run import RunStatus
 from service.model.run_name import RunName
-from service.store.claiming.turns import Turns, is_waiting
+from service.store.claiming.turns import Turns, has_room, is_waiting
 from service.store.column_types import now
 from service.store.reading import events
 from service.store.reading.runs import spec_of
@@ -220,9 +220,11 @@ def has_expired(connection: Connection) -> bool:
 def waiting_cells(connection: Connection, limit: int) -> list[int]:
     """Return of each cell how many runs could be claimed now, together.
 
-    No more runs than the limit are counted.
+    No more runs than the limit are counted, and none of a sweep that may have no more workers.
     """
     alone = case((runs.c.losses >= ALONE_AFTER, runs.c.number), else_=0)
     together = (runs.c.sweep_number, runs.c.cell, runs.c.checkpoint_timestep, alone.label("alone"))
-    found = select(*together).where(is_waiting).limit(limit).subquery()
+    full = select(sweeps.c.number).where(sweeps.c.max_workers.is_not(None), ~has_room())
+    waiting = is_waiting & runs.c.sweep_number.not_in(full)
+    found = select(*together).where(waiting).limit(limit).subquery()
     return list(connection.scalars(select(func.count()).select_from(found).group_by(*found.c)))

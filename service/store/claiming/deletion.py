@@ -12,6 +12,7 @@ from sqlalchemy import ColumnElement, Connection, delete, func, select, update
 
 from service.model.run import FINAL
 from service.model.run_name import RunName
+from service.store.claiming.checkpoints import has_ended
 from service.store.column_types import now
 from service.store.reading import events as log
 from service.store.reading.sweeps import get
@@ -132,12 +133,8 @@ def old_policies(connection: Connection, older_than_seconds: float, limit: int) 
 
 def forget_policies(connection: Connection, run_ids: Sequence[str]) -> None:
     """Note that these runs have no policies, unless they were queued again meanwhile."""
-    for name in map(RunName.parse, run_ids):
-        number = select(sweeps.c.number).where(sweeps.c.id == name.sweep_id).scalar_subquery()
-        of_run = (runs.c.sweep_number == number) & (runs.c.ordinal == name.ordinal)
-        connection.execute(
-            update(runs).where(of_run, runs.c.status.in_(FINAL)).values(may_have_policy=False)
-        )
+    for run_id in run_ids:
+        connection.execute(update(runs).where(has_ended(run_id)).values(may_have_policy=False))
 
 
 def _oldest_deleted() -> ColumnElement[int]:

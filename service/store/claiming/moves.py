@@ -1,15 +1,19 @@
 """Moving runs from one status to another, with their events."""
 
+from collections.abc import Mapping
 from typing import Any
 
 from sqlalchemy import ColumnElement, Connection, select, update
 
 from service.model.move import TRANSITIONS, Move
-from service.model.run import RunStatus
+from service.model.run import FINAL, RunStatus
 from service.model.run_name import RunName
 from service.store.column_types import now
 from service.store.reading import events
 from service.store.tables import is_running, runs, sweeps
+
+AGAIN: Mapping[str, Any] = {"finished_at": None, "losses": 0, "not_before": 0.0}
+"""Of a run that had ended and is queued again."""
 
 
 def move(
@@ -37,18 +41,13 @@ def move(
     values: dict[str, Any] = {"status": target, "reason": reason}
     if target.is_final:
         values["finished_at"] = now()
-    if RunStatus.FAILED in transition.sources:
-        values |= {"finished_at": None, "losses": 0, "not_before": 0.0}
-    moved = _update(connection, condition & runs.c.status.in_(transition.sources), values)
-    if RunStatus.FAILED in transition.sources:  # what a question was answered by may change
-        reopened = sweeps.c.number.in_(moved) & sweeps.c.question.is_not(None)
-        connection.execute(update(sweeps).where(reopened).values(question="open"))
+    if transition.sources & FINAL:
+        values |= AGAIN
+    change(connection, condition & runs.c.status.in_(transition.sources), values)
 
 
-def _update(
-    connection: Connection, condition: ColumnElement[bool], values: dict[str, Any]
-) -> set[int]:
-    """Write the new values, with the events; return the numbers of the sweeps."""
+def change(connection: Connection, condition: ColumnElement[bool], values: dict[str, Any]) -> None:
+    """Write new values of runs, their status and reason among them, with the events."""
     moved = connection.execute(
         update(runs)
         .where(condition)
@@ -72,4 +71,6 @@ def _update(
             for row in sorted(moved, key=lambda row: row.ordinal)
         ],
     )
-    return set(names)
+    if values["status"] not in FINAL:  # what a question was answered by may change
+        is_settled = sweeps.c.number.in_(names) & (sweeps.c.question == "settled")
+        connection.execute(update(sweeps).where(is_settled).values(question="open"))

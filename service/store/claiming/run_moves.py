@@ -1,5 +1,9 @@
-"""What users ask of one run: cancel, pause, resume, retry. Asked again, nothing happens."""
+"""What users ask of one run: cancel, pause, resume, retry, uncancel.
 
+Asked again, nothing happens.
+"""
+
+from collections.abc import Mapping
 from typing import Any
 
 from sqlalchemy import Connection, Row, select
@@ -16,6 +20,10 @@ _ENDED = {
     RunStatus.FAILED: "failed",
     RunStatus.DIVERGED: "diverged",
     RunStatus.CANCELLED: "been cancelled",
+}
+_ONLY: Mapping[Move, str] = {
+    "retry": ": only failed runs are tried again",
+    "uncancel": ": only cancelled runs are uncancelled",
 }
 
 
@@ -35,9 +43,8 @@ def _refusal(run: Run, row: Row[Any, Any, Any], asked: Move) -> str | None:
     """Return why a run cannot be moved; None where it can, or has been."""
     transition = TRANSITIONS[asked]
     if run.status.is_final and run.status not in transition.sources | {transition.target}:
-        if asked == "retry":
-            return f"run {run.id} has {_ENDED[run.status]}: only failed runs are tried again"
-        return f"run {run.id} has already {_ENDED[run.status]}"
+        already = "" if asked in _ONLY else "already "
+        return f"run {run.id} has {already}{_ENDED[run.status]}{_ONLY.get(asked, '')}"
     match asked, run.status:
         case "pause", RunStatus.RUNNING:
             return (
@@ -45,8 +52,8 @@ def _refusal(run: Run, row: Row[Any, Any, Any], asked: Move) -> str | None:
             )
         case "resume", RunStatus.PAUSED if row.paused_at is not None:
             return f"sweep {run.sweep_id} is paused: resume it, not one of its runs"
-        case "retry", RunStatus.FAILED if row.cancelled_at is not None:
-            return f"sweep {run.sweep_id} was cancelled: submit it again"
+        case "retry" | "uncancel", status if status.is_final and row.cancelled_at is not None:
+            return f"sweep {run.sweep_id} was cancelled: uncancel it, or submit it again"
     return None
 
 

@@ -26,6 +26,8 @@ def edit(connection: Connection, sweep_id: str, changes: Mapping[str, Any]) -> S
         sweep_names.replace_tags(connection, number, tags)
     if (archived := changed.pop("archived", None)) is not None:
         changed["archived_at"] = now() if archived else None
+    if "webhook" in changed:
+        changed |= {"webhook_tries": 0, "webhook_problem": "", "webhook_not_before": 0.0}
     if changed:
         connection.execute(update(sweeps).where(sweeps.c.number == number).values(changed))
     events.append(connection, [events.sweep_changed(number, sweep_id, "edited")])

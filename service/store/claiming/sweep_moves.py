@@ -1,4 +1,7 @@
-"""What users ask of a sweep: cancel, pause, resume, retry. Asked again, nothing happens."""
+"""What users ask of a sweep: cancel, pause, resume, retry, uncancel.
+
+Asked again, nothing happens.
+"""
 
 from typing import Any
 
@@ -37,10 +40,12 @@ def _refusal(sweep: Sweep, row: Row[Any], asked: Move) -> str | None:
     if asked == "cancel" and sweep.status is SweepStatus.CANCELLED:
         return None
     if asked == "retry" and row.cancelled_at is not None:
-        return f"sweep {sweep.id} was cancelled: submit it again"
-    if sweep.runs.active or (asked == "retry" and sweep.runs.failed):
+        return f"sweep {sweep.id} was cancelled: uncancel it, or submit it again"
+    if sweep.runs.active or _at_sources(sweep, asked):
         return None
     if sweep.is_asking and asked != "retry":  # between two batches
+        return None
+    if asked == "uncancel" and _was_asking(row):
         return None
     ended = "was cancelled" if sweep.status is SweepStatus.CANCELLED else "has finished"
     return f"sweep {sweep.id} {ended}: {TRANSITIONS[asked].none_left}"
@@ -56,7 +61,19 @@ def _would_change(sweep: Sweep, row: Row[Any], asked: Move) -> bool:
         case "resume":
             return row.paused_at is not None or sweep.runs.paused > 0
         case "retry":
-            return sweep.runs.failed > 0
+            return _at_sources(sweep, asked) > 0
+        case "uncancel":
+            return _at_sources(sweep, asked) > 0 or _was_asking(row)
+
+
+def _was_asking(row: Row[Any]) -> bool:
+    """Whether the sweep was cancelled while its question was open, perhaps between two batches."""
+    return row.cancelled_at is not None and row.question == "open"
+
+
+def _at_sources(sweep: Sweep, asked: Move) -> int:
+    """How many of its runs stand where they are moved from."""
+    return sum(getattr(sweep.runs, status.value) for status in TRANSITIONS[asked].sources)
 
 
 def _note(connection: Connection, row: Row[Any], asked: Move) -> None:
@@ -65,6 +82,7 @@ def _note(connection: Connection, row: Row[Any], asked: Move) -> None:
         "cancel": {"cancelled_at": row.cancelled_at or now(), "paused_at": None},
         "pause": {"paused_at": now()},
         "resume": {"paused_at": None},
+        "uncancel": {"cancelled_at": None},
     }
     if asked in values:
         of_sweep = sweeps.c.number == row.number

@@ -38,6 +38,8 @@ def create(
     entries: Sequence[int] | None = None,
     notes: str = "",
     tags: Sequence[str] = (),
+    max_workers: int | None = None,
+    webhook: str | None = None,
     environment_versions: Mapping[str, int],
     submission_key: str | None = None,
 ) -> Sweep:
@@ -62,6 +64,8 @@ def create(
         submission_key=submission_key,
         question="open" if request.get("question") else None,
         notes=notes,
+        max_workers=max_workers,
+        webhook=webhook,
     )
     number = connection.execute(heading.returning(sweeps.c.number)).scalar_one()
     connection.execute(

@@ -43,6 +43,32 @@ def test_an_ended_run_keeps_its_policy_alone(store: Store, place: Place) -> None
     assert (ended.checkpoint_timestep, running.checkpoint_timestep) == (0, 800)
 
 
+def test_runs_at_their_end_keep_the_newest_checkpoints_that_there_is_room_for(
+    store: Store, place: Place
+) -> None:
+    specs = [RunSpec("ddpg", "Pendulum", seed, timesteps=1600) for seed in range(4)]
+    request = {"seeds": 4}
+    sweep = store.create_sweep("x", 0, request, specs, environment_versions={"Pendulum": 1})
+    claim = store.claim_cohort("w", 60.0)
+    assert claim is not None
+    for run in claim.runs:
+        folder_in(place, run.run_id).write("1-1600.checkpoint", bytes(10))
+        folder_in(place, run.run_id).write("policy", bytes(99))
+    ends = tuple(CheckpointAttempt(seed, 1600) for seed in (0, 1, 3))
+    store.record(claim, Progress(1600, finished=(0,), checkpoints=ends))
+    store.record(claim, Progress(1600, finished=(1, 2, 3)))
+    removal = CheckpointRemoval(store, place, keep_bytes=20)
+    while removal.remove():
+        pass
+    kept = [folder_in(place, run.run_id).names() for run in claim.runs]
+    assert [("1-1600.checkpoint" in names) for names in kept] == [False, True, False, True]
+    assert all("policy" in names for names in kept)
+    store.extend_sweep(sweep.id, request, 3200, lambda _: 1)
+    timesteps = [run.checkpoint_timestep for run in store.list_runs(sweep.id)]
+    assert timesteps == [0, 1600, 0, 1600]
+    assert removal.remove() == 0
+
+
 def test_while_their_place_cannot_be_had_none_is_forgotten(store: Store, bucket: str) -> None:
     specs = [RunSpec("ddpg", "Pendulum", 0, timesteps=1600)]
     store.create_sweep("x", 0, {}, specs, environment_versions={"Pendulum": 1})

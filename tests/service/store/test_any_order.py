@@ -19,6 +19,7 @@ from hypothesis.stateful import (
     initialize,
     invariant,
     multiple,
+    precondition,
     rule,
     run_state_machine_as_test,
 )
@@ -29,6 +30,8 @@ from service.model.move import Move
 from service.model.run import ACTIVE, RunStatus
 from service.store.refusal import ImpossibleMoveError
 from service.store.store import Store
+from service.store.upkeep.integrity import check
+from tests.service.promises import sweep_of
 from tests.service.store.conftest import AT_ONCE, Fresh, measured
 from workers.messages.progress import Progress
 from workers.messages.run_spec import RunSpec
@@ -70,15 +73,16 @@ class StoreMachine(RuleBasedStateMachine):
         return [
             run.run_id
             for run in claim.runs
-            if self.runs[run.run_id].status is RunStatus.RUNNING
-            and self.runs[run.run_id].attempt == run.attempt
+            if (known := self.runs.get(run.run_id)) is not None
+            and known.status is RunStatus.RUNNING
+            and known.attempt == run.attempt
         ]
 
     @rule(seeds=st.integers(1, 3), priority=st.integers(0, 1))
     def submit(self, seeds: int, priority: int) -> None:
         specs = [RunSpec("ddpg", "Pendulum", seed, timesteps=TIMESTEPS) for seed in range(seeds)]
         sweep = self.store.create_sweep(
-            "x", priority, {}, specs, environment_versions={"Pendulum": 1}
+            "x", priority, {"seeds": seeds}, specs, environment_versions={"Pendulum": 1}
         )
         self.runs.update({f"{sweep.id}-{ordinal}": Expected() for ordinal in range(seeds)})
 
@@ -129,9 +133,10 @@ class StoreMachine(RuleBasedStateMachine):
             ),
         )
         for claimed in claim.runs:
-            run, how = self.runs[claimed.run_id], ends.get(claimed.spec.seed)
+            how = ends.get(claimed.spec.seed)
             if claimed.run_id not in held or how is None:
                 continue
+            run = self.runs[claimed.run_id]
             if how == "dropped" and not run.is_cancelling:
                 continue
             run.status = {
@@ -201,7 +206,7 @@ class StoreMachine(RuleBasedStateMachine):
         elif run.status is RunStatus.RUNNING:
             run.is_cancelling = True
 
-    @rule(data=st.data(), how=st.sampled_from(["pause", "resume", "retry"]))
+    @rule(data=st.data(), how=st.sampled_from(["pause", "resume", "retry", "uncancel"]))
     def move(self, data: st.DataObject, how: Move) -> None:
         if not self.runs:
             return
@@ -211,17 +216,73 @@ class StoreMachine(RuleBasedStateMachine):
             "pause": (RunStatus.QUEUED, RunStatus.PAUSED, {RunStatus.PAUSED}),
             "resume": (RunStatus.PAUSED, RunStatus.QUEUED, {RunStatus.QUEUED, RunStatus.RUNNING}),
             "retry": (RunStatus.FAILED, RunStatus.QUEUED, ACTIVE),
+            "uncancel": (RunStatus.CANCELLED, RunStatus.QUEUED, ACTIVE),
         }[how]
         asked = partial(self.store.move_run, name, how)
         if run.status is source:
             assert asked().status is target
             run.status = target
-            run.losses = 0 if how == "retry" else run.losses
+            if how in {"retry", "uncancel"}:
+                run.losses, run.is_cancelling = 0, False
         elif run.status in idle:
             assert asked().status is run.status
         else:
             with pytest.raises(ImpossibleMoveError):
                 asked()
+
+    def any_sweep(self, data: st.DataObject) -> tuple[str, dict[str, Expected]]:
+        """A sweep and its runs."""
+        sweep_id = data.draw(st.sampled_from(sorted({sweep_of(name) for name in self.runs})))
+        return sweep_id, {n: run for n, run in self.runs.items() if sweep_of(n) == sweep_id}
+
+    @precondition(lambda self: self.runs)
+    @rule(data=st.data())
+    def delete(self, data: st.DataObject) -> None:
+        sweep_id, own = self.any_sweep(data)
+        if any(run.status in ACTIVE for run in own.values()):
+            with pytest.raises(ImpossibleMoveError):
+                self.store.delete_sweep(sweep_id)
+            return
+        assert self.store.delete_sweep(sweep_id) == len(own)
+        for name in own:
+            del self.runs[name]
+
+    @rule()
+    def purge(self) -> None:
+        """Throw a part of what was deleted away; the service may be killed before the next."""
+        if gone := self.store.deleted_runs(1):
+            self.store.purge_runs(gone)
+        else:
+            self.store.purge_sweep()
+
+    @precondition(lambda self: self.runs)
+    @rule(data=st.data())
+    def extend(self, data: st.DataObject) -> None:
+        """Give a sweep more timesteps."""
+        sweep_id, own = self.any_sweep(data)
+        [cell] = self.store.sweep_cells(sweep_id)
+        seen, longer = self.store.sweep_request(sweep_id), cell.spec.timesteps + 800
+        asked = partial(self.store.extend_sweep, sweep_id, seen, longer, lambda _: 1)
+        if any(run.status is RunStatus.RUNNING for run in own.values()):
+            with pytest.raises(ImpossibleMoveError):
+                asked()
+            return
+        asked()
+        for run in own.values():
+            if run.status is RunStatus.SUCCEEDED:
+                run.status, run.losses = RunStatus.QUEUED, 0
+
+    @precondition(lambda self: self.runs)
+    @rule(data=st.data())
+    def add_seed(self, data: st.DataObject) -> None:
+        sweep_id, own = self.any_sweep(data)
+        seen, seed = self.store.sweep_request(sweep_id), len(own)
+        self.store.add_seeds(sweep_id, seen, [seed], lambda _: 1)
+        self.runs[f"{sweep_id}-{seed}"] = Expected()
+
+    @invariant()
+    def the_database_is_whole(self) -> None:
+        assert [each for each in self.store.read(check) if each.faults] == []
 
     @rule()
     def restart(self) -> None:
@@ -243,7 +304,7 @@ class StoreMachine(RuleBasedStateMachine):
         last = {
             event.payload["run_id"]: event.payload["status"]
             for event in self.store.events_after(0, limit=100_000)
-            if event.kind == "run"
+            if event.kind == "run" and event.payload["run_id"] in self.runs
         }
         assert last == {
             name: run.status.value

@@ -169,9 +169,7 @@ def test_statistics(reader: TestClient, trained: str) -> None:
         assert iqm["low"] <= iqm["value"] <= iqm["high"]
     (pair,) = answer["probability_of_improvement"]["pairs"]
     assert (pair["x"], pair["y"]) == ("ddpg", "hybrid-ddpg")
-    wilson = stats.binomtest(0, 6).proportion_ci(
-        method="wilson"
-    )  # three pairs a task
+    wilson = stats.binomtest(0, 6).proportion_ci(method="wilson")  # three pairs a task
     assert pair["same_seeds"] == pytest.approx({"value": 0.0, "low": 0.0, "high": wilson.high})
     profiles = answer["performance_profiles"]
     assert all(len(each["share"]) == len(profiles["thresholds"]) for each in profiles["profiles"])

@@ -3,6 +3,7 @@
 from typing import Any
 
 import pytest
+from fastapi import FastAPI
 from starlette.testclient import TestClient
 
 from service.store.store import Store
@@ -188,3 +189,20 @@ def test_the_same_sweep_is_submitted_with_its_notes_and_tags(client: TestClient)
     sweep = client.post(SWEEPS, json=SWEEP | {"notes": "n", "tags": ["t"]}).json()
     assert (sweep["notes"], sweep["tags"]) == ("n", ["t"])
     assert (sweep["request"]["notes"], sweep["request"]["tags"]) == ("n", ["t"])
+
+
+def test_a_webhook_is_posted_changed_and_shown(app: FastAPI, client: TestClient) -> None:
+    link = f"{SWEEPS}/{submitted(client, webhook='http://127.0.0.1:9/a')}"
+    shown = client.get(link).json()["webhook"]
+    assert shown == {"url": "http://127.0.0.1:9/a", "delivered_at": None, "tries": 0, "problem": ""}
+    assert client.patch(link, json={"webhook": None}).json()["webhook"] is None
+    app.state.webhook_hosts = ("hooks.example.org",)
+    for wrong in ("x", "ftp://a/b", "http://169.254.169.254/", "http://127.0.0.1:9/a", 7):
+        for answer in (
+            client.patch(link, json={"webhook": wrong}),
+            client.post(SWEEPS, json=changed(webhook=wrong)),
+        ):
+            assert answer.status_code == 422
+            assert [error["field"] for error in answer.json()["errors"]] == ["webhook"]
+    good = client.patch(link, json={"webhook": "https://hooks.example.org/d3pg"})
+    assert good.json()["webhook"]["url"] == "https://hooks.example.org/d3pg"

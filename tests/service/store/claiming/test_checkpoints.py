@@ -187,11 +187,11 @@ def test_files_that_nobody_told_of_are_to_be_removed_too(store: Store, submit: S
     store.move_run(f"{submit(seeds=1).id}-0", "cancel")  # no worker had it: it has no files
     claim = claim_of(store)
     store.lose(claim, "its worker was lost")
-    assert store.ended_with_checkpoints(10) == []
+    assert [*store.ended_with_checkpoints(10)] == []
     store.move_run(run_id, "cancel")
-    assert store.ended_with_checkpoints(10) == [run_id]
+    assert [*store.ended_with_checkpoints(10)] == [run_id]
     store.forget_checkpoints([run_id])
-    assert store.ended_with_checkpoints(10) == []
+    assert [*store.ended_with_checkpoints(10)] == []
 
 
 def test_a_refused_checkpoints_files_are_to_be_removed_when_the_run_has_ended(
@@ -204,7 +204,7 @@ def test_a_refused_checkpoints_files_are_to_be_removed_when_the_run_has_ended(
     second = claim_of(store)
     begin(store, second, Resumption(0, 0, note="its checkpoint was made by other code"))
     store.fail(second, "ValueError: x")
-    assert store.ended_with_checkpoints(10) == [run_id]
+    assert [*store.ended_with_checkpoints(10)] == [run_id]
 
 
 def test_a_run_that_is_tried_again_meanwhile_keeps_what_it_has(
@@ -212,22 +212,22 @@ def test_a_run_that_is_tried_again_meanwhile_keeps_what_it_has(
 ) -> None:
     run_id = f"{submit(seeds=1).id}-0"
     store.fail(claim_of(store), "ValueError: x")
-    assert store.ended_with_checkpoints(10) == [run_id]
+    assert [*store.ended_with_checkpoints(10)] == [run_id]
     store.move_run(run_id, "retry")
     again = claim_of(store)
     store.forget_checkpoints([run_id])
     store.fail(again, "ValueError: x")
-    assert store.ended_with_checkpoints(10) == [run_id]
+    assert [*store.ended_with_checkpoints(10)] == [run_id]
 
 
 def test_checkpoints_of_ended_runs_are_to_be_removed_once(store: Store, submit: Submit) -> None:
     sweep = submit(seeds=3)
     claim = claim_of(store)
     train(store, claim, 800, checkpoint=800)
-    assert store.ended_with_checkpoints(10) == []
+    assert [*store.ended_with_checkpoints(10)] == []
     store.record(claim, Progress(800, finished=(0,)))
     store.fail(claim, "ValueError: x")
     ended = sorted(store.ended_with_checkpoints(10))
     assert ended == [f"{sweep.id}-{ordinal}" for ordinal in range(3)]
     store.forget_checkpoints(ended[:2])
-    assert store.ended_with_checkpoints(10) == ended[2:]
+    assert [*store.ended_with_checkpoints(10)] == ended[2:]

@@ -1,0 +1,47 @@
+"""What `POST /sweeps/{id}/runs` takes: what a sweep is to have more of."""
+
+from typing import Annotated, Self
+
+from pydantic import ConfigDict, Field, model_validator
+
+from service.api.schemas.sweep_request import (
+    MAX_RUNS,
+    MAX_TIMESTEPS,
+    AlgorithmRequest,
+    Listed,
+    Seed,
+)
+from service.api.schemas.texts import Request
+
+
+class GrowthRequest(Request):
+    """More seeds for every curve, more entries for every task, or more timesteps for every run."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {"seeds": [16, 17]},
+                {"algorithms": [{"name": "sac", "config": {"rate": [0.0003, 0.001]}}]},
+                {"timesteps": 80_000},
+            ]
+        }
+    )
+
+    seeds: Annotated[list[Seed], Field(min_length=1, max_length=MAX_RUNS)] | None = Field(
+        default=None, description="Those that it has not."
+    )
+    algorithms: Annotated[list[AlgorithmRequest], Listed] | None = Field(
+        default=None, description="As in `POST /sweeps`."
+    )
+    timesteps: Annotated[int, Field(ge=1, le=MAX_TIMESTEPS)] | None = Field(
+        default=None,
+        description="Of each run from its start. Runs that have ended go on to the bits of one "
+        "that was as long from the start.",
+    )
+
+    @model_validator(mode="after")
+    def _one(self) -> Self:
+        given = [self.seeds, self.algorithms, self.timesteps]
+        if sum(each is not None for each in given) != 1:
+            raise ValueError("give one of seeds, algorithms and timesteps, and no other")
+        return self

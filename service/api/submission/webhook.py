@@ -1,0 +1,12 @@
+"""Webhooks that the service may not tell."""
+
+from collections.abc import Collection
+
+from service.api.problems import Fault, InvalidRequest
+from service.model.webhook import refusal
+
+
+def refuse_webhook(url: str | None, hosts: Collection[str]) -> None:
+    """Raise InvalidRequest for a URL whose host may not be asked."""
+    if url is not None and (said := refusal(url, hosts)):
+        raise InvalidRequest([Fault("webhook", said)])
