@@ -32,6 +32,7 @@ from sqlalchemy import (
     Text,
     UniqueConstraint,
     false,
+    func,
     literal,
     text,
 )
@@ -79,6 +80,7 @@ sweeps = Table(
 _open = text("question = 'open'")
 Index("ix_sweeps_open", sweeps.c.number, sqlite_where=_open, postgresql_where=_open)
 
+is_asking = (func.coalesce(sweeps.c.question, "") == "open") & sweeps.c.cancelled_at.is_(None)
 is_there = sweeps.c.deleted_at.is_(None)
 
 sweep_names = Table(

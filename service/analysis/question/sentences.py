@@ -7,7 +7,7 @@ from service.analysis.question.forecast import HORIZON
 from service.analysis.question.verdict import Answer, Verdict
 from service.model.question import Method, Question
 
-SCORES = {
+SCORE_TEXT = {
     "area": "the area under the curve of the normalised return (0 at random, 1 at best)",
     "final": "the normalised return in the last tenth of training (0 at random, 1 at best)",
 }
@@ -100,7 +100,7 @@ def _score_text(question: Question) -> str:
             "the share of processor seconds that one saves until the normalised return reaches "
             f"{question.threshold:g}"
         )
-    return SCORES[question.score]
+    return SCORE_TEXT[question.score]
 
 
 def _extent(answer: Answer) -> str:

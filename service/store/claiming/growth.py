@@ -16,7 +16,7 @@ from algorithms.measurement import MEASURE_EVERY
 from service.model.growth import with_seeds, with_timesteps
 from service.model.run import RunStatus
 from service.model.sweep import Sweep, SweepStatus
-from service.store.claiming.moves import AGAIN, change, reopen_questions
+from service.store.claiming.moves import AGAIN, change
 from service.store.reading import events, sweep_names
 from service.store.reading.runs import columns_of, spec_of
 from service.store.reading.sweeps import get, named
@@ -111,8 +111,7 @@ def extend(
     connection.execute(delete(measurements).where(measurements.c.run_number.in_(numbers), off_grid))
     connection.execute(update(runs).where(of_sweep).values(timesteps=timesteps))
     again = {"score": None, "kept_bytes": None, **AGAIN, **_waiting(row, "more timesteps")}
-    moved = change(connection, of_sweep & (runs.c.status == RunStatus.SUCCEEDED), again)
-    reopen_questions(connection, moved)
+    change(connection, of_sweep & (runs.c.status == RunStatus.SUCCEEDED), again)
     return _grown(connection, row, with_timesteps(seen, timesteps), "extended")
 
 
@@ -122,6 +121,10 @@ def _open(connection: Connection, sweep_id: str, seen: Json) -> Row[Any]:
     if sweep.status is SweepStatus.CANCELLED:
         raise ImpossibleMoveError(f"sweep {sweep_id} was cancelled: uncancel it first")
     row = connection.execute(select(sweeps).where(named(sweep_id))).one()
+    if row.question is not None:
+        raise ImpossibleMoveError(
+            f"sweep {sweep_id} asks a question, which says what runs it gets: submit another sweep"
+        )
     if row.request != seen:
         raise ImpossibleMoveError(f"sweep {sweep_id} was changed meanwhile: look again")
     return row

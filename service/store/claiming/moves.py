@@ -1,6 +1,6 @@
 """Moving runs from one status to another, with their events."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from sqlalchemy import ColumnElement, Connection, select, update
@@ -41,28 +41,13 @@ def move(
     values: dict[str, Any] = {"status": target, "reason": reason}
     if target.is_final:
         values["finished_at"] = now()
-    is_again = bool(transition.sources & FINAL)
-    if is_again:
+    if transition.sources & FINAL:
         values |= AGAIN
-    moved = change(connection, condition & runs.c.status.in_(transition.sources), values)
-    if is_again:
-        reopen_questions(connection, moved)
+    change(connection, condition & runs.c.status.in_(transition.sources), values)
 
 
-def reopen_questions(connection: Connection, sweep_numbers: Collection[int]) -> None:
-    """Ask the questions of sweeps again: what answered them may change."""
-    asking = sweeps.c.number.in_(sweep_numbers) & sweeps.c.question.is_not(None)
-    connection.execute(update(sweeps).where(asking).values(question="open"))
-
-
-def change(
-    connection: Connection, condition: ColumnElement[bool], values: dict[str, Any]
-) -> set[int]:
-    """Write new values of runs, their status and reason among them, with the events.
-
-    Returns:
-        The numbers of their sweeps.
-    """
+def change(connection: Connection, condition: ColumnElement[bool], values: dict[str, Any]) -> None:
+    """Write new values of runs, their status and reason among them, with the events."""
     moved = connection.execute(
         update(runs)
         .where(condition)
@@ -86,4 +71,6 @@ def change(
             for row in sorted(moved, key=lambda row: row.ordinal)
         ],
     )
-    return set(names)
+    if values["status"] not in FINAL:  # what a question was answered by may change
+        is_settled = sweeps.c.number.in_(names) & (sweeps.c.question == "settled")
+        connection.execute(update(sweeps).where(is_settled).values(question="open"))

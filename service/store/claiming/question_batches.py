@@ -12,7 +12,7 @@ from sqlalchemy import ColumnElement, Connection, Row, func, insert, select, upd
 
 from service.model.run import ACTIVE, RunStatus
 from service.store.reading import events
-from service.store.tables import is_there, runs, sweeps
+from service.store.tables import is_asking, is_there, runs, sweeps
 
 Cell = tuple[str, int]
 """A task, and the place of an entry."""
@@ -63,8 +63,8 @@ def go_on(
 def _waits() -> ColumnElement[bool]:
     is_active = (runs.c.sweep_number == sweeps.c.number) & runs.c.status.in_(ACTIVE)
     return (
-        (sweeps.c.question == "open")
-        & sweeps.c.cancelled_at.is_(None)
+        (sweeps.c.question == "open")  # as the index has it
+        & is_asking
         & is_there
         & ~select(runs.c.number).where(is_active).exists()
     )

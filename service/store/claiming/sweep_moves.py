@@ -45,6 +45,8 @@ def _refusal(sweep: Sweep, row: Row[Any], asked: Move) -> str | None:
         return None
     if sweep.is_asking and asked != "retry":  # between two batches
         return None
+    if asked == "uncancel" and _was_asking(row):
+        return None
     ended = "was cancelled" if sweep.status is SweepStatus.CANCELLED else "has finished"
     return f"sweep {sweep.id} {ended}: {TRANSITIONS[asked].none_left}"
 
@@ -58,8 +60,15 @@ def _would_change(sweep: Sweep, row: Row[Any], asked: Move) -> bool:
             return row.paused_at is None
         case "resume":
             return row.paused_at is not None or sweep.runs.paused > 0
-        case "retry" | "uncancel":
+        case "retry":
             return _at_sources(sweep, asked) > 0
+        case "uncancel":
+            return _at_sources(sweep, asked) > 0 or _was_asking(row)
+
+
+def _was_asking(row: Row[Any]) -> bool:
+    """Whether the sweep was cancelled while its question was open, perhaps between two batches."""
+    return row.cancelled_at is not None and row.question == "open"
 
 
 def _at_sources(sweep: Sweep, asked: Move) -> int:

@@ -1,7 +1,7 @@
 """Which ends of sweeps are to be told, and what came of telling them.
 
-An end is told when no run is active any more and the latest one ended after what was told before:
-so it is told again when a sweep has ended again.
+An end is told when no run is active any more, no question is open, and the latest run ended after
+what was told before: so it is told again when a sweep has ended again.
 """
 
 from sqlalchemy import Connection, func, select, update
@@ -11,7 +11,7 @@ from service.model.webhook import Due
 from service.store.column_types import now
 from service.store.reading import events
 from service.store.reading.sweeps import get
-from service.store.tables import is_there, runs, sweeps
+from service.store.tables import is_asking, is_there, runs, sweeps
 
 MOST_TRIES = 20
 LONGEST_WAIT_SECONDS = 600.0
@@ -29,6 +29,7 @@ def due(connection: Connection, limit: int) -> list[Due]:
             is_there,
             sweeps.c.webhook_not_before <= now(),
             ~is_active,
+            ~is_asking,
             func.coalesce(sweeps.c.webhook_delivered_at, 0.0) < ended_at,
         )
         .order_by(sweeps.c.webhook_not_before, sweeps.c.number)

@@ -9,7 +9,7 @@ from sqlalchemy import ColumnElement, and_, exists, func, not_, or_
 from service.model.run import ACTIVE, RunStatus
 from service.model.sweep import SweepStatus
 from service.store.reading.sweep_names import has
-from service.store.tables import runs, sweep_names, sweeps
+from service.store.tables import is_asking, runs, sweep_names, sweeps
 
 Archived = Literal["false", "true", "all"]
 
@@ -67,7 +67,6 @@ def _mentions(text: str) -> ColumnElement[bool]:
 def _stands(status: SweepStatus) -> ColumnElement[bool]:
     """Return the condition of a status, which follows from those of the runs."""
     is_open = func.coalesce(sweeps.c.question, "") == "open"
-    is_asking = and_(is_open, sweeps.c.cancelled_at.is_(None))
     is_active = or_(is_asking, *(_some(each) for each in ACTIVE))
     others = or_(_some(RunStatus.QUEUED), _some(RunStatus.RUNNING))
     is_left = and_(_some(RunStatus.PAUSED), not_(others))

@@ -12,6 +12,7 @@ from service.model.question import Question
 from service.model.sweep import Sweep, SweepStatus
 from service.queue.question_rounds import QuestionRounds, look_at_all, next_batch
 from service.store.reading.sweep_search import SweepSearch
+from service.store.refusal import ImpossibleMoveError
 from service.store.store import Store
 from workers.messages.progress import Progress
 from workers.messages.random_return import RandomReturn
@@ -143,6 +144,25 @@ def test_cancelled_between_two_batches_it_gets_none(store: Store) -> None:
     assert store.move_sweep(sweep.id, "cancel").status is SweepStatus.CANCELLED
     assert store.go_on_asking(sweep.id, seen, batch) == look_at_all(store) == 0
     assert len(seeds_of(store, sweep)["Pendulum", "ddpg"]) == 4
+    for _ in range(2):
+        assert store.move_sweep(sweep.id, "uncancel").status is SweepStatus.RUNNING
+    assert look_at_all(store) == 8
+
+
+def test_it_gets_no_other_runs(store: Store) -> None:
+    sweep = asking(store)
+    train(store)
+    with pytest.raises(ImpossibleMoveError, match="asks a question"):
+        store.add_seeds(sweep.id, sweep.request, [100], lambda _: 1)
+
+
+def test_its_end_is_told_once_it_is_settled(store: Store) -> None:
+    sweep = asking(store, max_seeds=4)
+    store.edit_sweep(sweep.id, {"webhook": "https://example.org/hook"})
+    train(store)
+    assert store.due_webhooks(1) == []
+    look_at_all(store)
+    assert [due.sweep.id for due in store.due_webhooks(1)] == [sweep.id]
 
 
 def test_code_that_fails_is_not_tried_on_further_seeds(store: Store) -> None:
