@@ -27,7 +27,7 @@ declare namespace Api {
   type Workers = Schemas["WorkersAnswer"];
   type ListedSweep = Schemas["ListedSweepAnswer"];
   /** What a sweep and a row of their list have in common. */
-  type SweepHead = Omit<Sweep, "notes" | "request" | "entries" | "notices" | "max_workers">;
+  type SweepHead = Pick<Sweep, Extract<keyof Sweep, keyof ListedSweep>>;
   /** What was posted for a sweep. */
   type Request = Partial<Schemas["SweepRequest"]>;
   /** What is asked for of one algorithm. */
