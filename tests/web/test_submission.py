@@ -168,6 +168,8 @@ def test_several_entries_of_an_algorithm_lists_and_labels_come_back(
     """What was submitted is what "another like it" shows, and what that submits."""
     body = {
         "name": "grid",
+        "notes": "carried though the form does not show it",
+        "tags": ["paper"],
         "algorithms": [
             {"name": "ddpg"},
             {"name": "ddpg", "label": "loud", "config": {"noise": [0.3, 0.5]}},

@@ -29,7 +29,7 @@ declare namespace Api {
   type Workers = Schemas["WorkersAnswer"];
   type ListedSweep = Schemas["ListedSweepAnswer"];
   /** What a sweep and a row of their list have in common. */
-  type SweepHead = Omit<Sweep, "notes" | "request" | "entries" | "notices" | "max_workers">;
+  type SweepHead = Pick<Sweep, Extract<keyof Sweep, keyof ListedSweep>>;
   /** What was posted for a sweep, as it is kept: grids of parameters are written out. */
   type Request = Partial<
     Omit<Schemas["SweepRequest"], "algorithms" | "environments"> & {

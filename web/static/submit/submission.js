@@ -13,6 +13,7 @@ import { readSetting } from "./values.js";
  */
 
 const PAUSE_MILLISECONDS = 250; // after the last key, before the service is asked
+const SHOWN = ["name", "algorithms", "environments", "seeds", "timesteps", "scale", "priority"];
 const OPTIONAL = /** @type {const} */ (["timesteps", "scale", "priority"]); // numbers
 
 export class Submission {
@@ -25,6 +26,8 @@ export class Submission {
   #environments = [];
   #key = newKey();
   #sent = false;
+  /** @type {Draft} */
+  #carried = {}; // what a draft has beside the fields of the form: notes, tags, limits
   #added = 0; // items so far beyond an algorithm's first: their inputs have names of their own
   #asking = new AbortController();
   /** @type {ReturnType<typeof setTimeout> | undefined} */
@@ -127,6 +130,8 @@ export class Submission {
 
   /** @param {Draft} draft */
   #fill(draft) {
+    const others = Object.entries(draft).filter(([name]) => !SHOWN.includes(name));
+    this.#carried = Object.fromEntries(others);
     this.#field("name").value = draft.name ?? "";
     this.#field("seeds").value = [draft.seeds ?? 4].flat().join(", ");
     for (const name of OPTIONAL) this.#field(name).value = String(draft[name] ?? "");
@@ -150,6 +155,7 @@ export class Submission {
     const chosen = this.#learners.filter((learner) => learner.isChosen);
     const optional = OPTIONAL.map((each) => [each, this.#field(each).value.trim()]);
     return {
+      ...this.#carried,
       ...(name ? { name } : {}),
       algorithms: chosen.map((learner) => learner.request(environments)),
       environments,
