@@ -26,6 +26,9 @@ class Header:
         action_size: m.
         activation: "tanh", "elu", "silu" or "relu", of hidden units.
         hidden_units: how many there are in each hidden layer.
+        clipped: coordinate -> limit; its feature is clipped to [-limit, limit].
+        feature_order: the place of each feature, were they in the order of the coordinates; empty
+            for that order.
         origin: where the policy comes from: algorithm, seed, timestep, weights, config, run.
         action_low, action_high: the box of the actions.
         feature_clip: normalised features are clipped to [-feature_clip, feature_clip].
@@ -42,6 +45,8 @@ class Header:
     action_size: int
     activation: Literal["tanh", "elu", "silu", "relu"]
     hidden_units: list[int]
+    clipped: dict[int, float] = field(default_factory=dict)
+    feature_order: list[int] = field(default_factory=list)
     origin: Mapping[str, Any] = field(default_factory=dict)
     action_low: float = -1.0
     action_high: float = 1.0
@@ -52,7 +57,13 @@ class Header:
     @property
     def feature_map(self) -> FeatureMap:
         """How features follow from a state."""
-        return FeatureMap(self.state_size, self.angles, tuple(self.hidden))
+        return FeatureMap(
+            self.state_size,
+            self.angles,
+            tuple(self.hidden),
+            self.clipped,
+            tuple(self.feature_order),
+        )
 
     def document(self) -> dict[str, Any]:
         """Plain values."""

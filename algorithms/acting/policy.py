@@ -123,6 +123,8 @@ def policy_of(
         state_size=environment.state_size,
         angles=dict(environment.angles),
         hidden=list(environment.hidden),
+        clipped=dict(environment.clipped),
+        feature_order=list(environment.feature_order),
         action_size=environment.action_size,
         activation=snapshot.inside.activation,  # type: ignore[arg-type]  # checked by pydantic
         hidden_units=list(shape.hidden),
