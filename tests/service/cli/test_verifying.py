@@ -94,11 +94,13 @@ def test_a_run_of_a_task_file_needs_that_file(
     assert "cannot be read" in refusal("--task", "nothing.py")
     assert "defines no task" in refusal("--task", str(file))
     asked: list[str] = []
-    training(monkeypatch, POINT)
-    train = algorithms.train
-    monkeypatch.setattr(
-        algorithms, "train", lambda a, task, **settings: asked.append(task) or train(a, task)
-    )
+
+    def train(algorithm: str, environment: str, **settings: Any) -> Iterator[Measurement]:
+        del algorithm, settings
+        asked.append(environment)
+        yield POINT
+
+    monkeypatch.setattr(algorithms, "train", train)
     assert "all 1 measurements are the same" in d3pg("verify", run.id, "--task", str(file)).stdout
     assert asked == [f"{file}:Pendulum"]
 
