@@ -30,7 +30,7 @@ from physics.task_check import CheckedWhenMade
 if TYPE_CHECKING:
     from physics.environment import Environment
 
-_REFERENCE = re.compile(r"(?P<path>.+\.py)(?::(?P<task>[\w.-]+))?")
+_REFERENCE = re.compile(r"(?P<path>.+\.py)(?::(?P<task>[\w./-]+))?")
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from urllib.parse import quote
 
 from pydantic import TypeAdapter
 
@@ -67,7 +68,7 @@ class TaskShelf:
 
     def _keep(self, task: KeptTask) -> None:
         self._folder.mkdir(parents=True, exist_ok=True)
-        path = self._folder / f"{task.facts.name}-{task.facts.version}.json"
+        path = self._folder / f"{quote(task.facts.name, safe='')}-{task.facts.version}.json"
         unfinished = path.with_suffix(".unfinished")
         unfinished.write_bytes(_FORMAT.dump_json(task))
         unfinished.replace(path)

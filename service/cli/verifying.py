@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import islice
+from pathlib import Path
 from typing import Annotated, NamedTuple
 
 import typer
@@ -11,6 +12,7 @@ from rich.progress import track
 import algorithms
 from algorithms.early_end import DivergedError, Divergence, EarlyEnd, FailedRunsError
 from algorithms.threads import one_thread
+from physics.task_file import TaskFile
 from service.api.schemas.run_answer import RunAnswer
 from service.cli.terminal import console, say
 from service.client import Client, ServiceError
@@ -27,7 +29,13 @@ class Trained(NamedTuple):
     end: EarlyEnd | None
 
 
-def verify(run: Annotated[str, typer.Argument(metavar="RUN", help="The id of a run.")]) -> None:
+def verify(
+    run: Annotated[str, typer.Argument(metavar="RUN", help="The id of a run.")],
+    task: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="The task file, where the run's task is of one."),
+    ] = None,
+) -> None:
     """Train a run again, here and alone; its curve must come out the same, bit for bit.
 
     A run that diverged must diverge again, at the same timestep.
@@ -40,7 +48,7 @@ def verify(run: Annotated[str, typer.Argument(metavar="RUN", help="The id of a r
         raise ServiceError(f"{run} is {told.status} and has measured nothing to compare with.")
     for fact in differing_facts(told):
         say(f"The run was trained with another {fact}: its bits may differ for that reason.")
-    again = trained(told, len(stored))
+    again = trained(told, len(stored), environment_of(told, task))
     mismatch = first_mismatch(stored, again.points)
     differing_end = another_end(told, again.end)
     if mismatch is None:
@@ -55,23 +63,44 @@ def verify(run: Annotated[str, typer.Argument(metavar="RUN", help="The id of a r
         raise SystemExit(1)
 
 
-def trained(run: RunAnswer, count: int) -> Trained:
+def environment_of(run: RunAnswer, task: Path | None) -> str:
+    """The run's environment as `physics.make` takes it here.
+
+    Raises ServiceError where a task file is needed, or has another text than the run's.
+    """
+    digest = (run.fingerprint or {}).get("task")
+    if digest is None:
+        return run.environment
+    if task is None:
+        raise ServiceError(f"{run.id} is of a task file: give it with --task my_tasks.py")
+    try:
+        found = TaskFile.read(task).digest
+    except ValueError as error:
+        raise ServiceError(f"{run.id} cannot be trained here: {error}") from error
+    if found != digest:
+        raise ServiceError(
+            f"{task} has the hash {found}, and the file that {run.id} was trained with {digest}"
+        )
+    return f"{task}:{run.environment}"
+
+
+def trained(run: RunAnswer, count: int, environment: str) -> Trained:
     """The first `count` measurements of a run of the same spec; of one that diverged, its end too.
 
     Raises ServiceError for a run that cannot be trained here.
     """
-    measurements = algorithms.train(
-        run.algorithm,
-        run.environment,
-        seeds=[run.seed],
-        weights=run.weights.pair,
-        timesteps=run.timesteps,
-        config=dict(run.config),
-    )
     wanted = count + (run.status is RunStatus.DIVERGED)  # one more: there it is to end
-    shown = track(islice(measurements, wanted), "training", total=count, console=console)
     points: Points = []
     try:
+        measurements = algorithms.train(
+            run.algorithm,
+            environment,
+            seeds=[run.seed],
+            weights=run.weights.pair,
+            timesteps=run.timesteps,
+            config=dict(run.config),
+        )
+        shown = track(islice(measurements, wanted), "training", total=count, console=console)
         for each in shown:
             points.append((each.timestep, each.return_mean))
     except DivergedError as error:

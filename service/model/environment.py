@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
 import physics
-from physics.catalogue import OWN, unknown_task
+from physics.catalogue import EXTRAS, OWN, unknown_task
 from physics.parameter import Parameter, checked, declared, label, parse
 from physics.task_file import Reference, make_all
 
@@ -82,7 +82,8 @@ def know_tasks_of_packages(told: Mapping[str, EnvironmentFacts | str]) -> None:
 
 def tasks_of_packages() -> list[str]:
     """Return the names of the tasks that installed packages add."""
-    return [name for name in physics.names() if name not in OWN]
+    ours = set(OWN).union(*EXTRAS.values())
+    return [name for name in physics.names() if name not in ours]
 
 
 def facts_of_package(name: str) -> EnvironmentFacts:

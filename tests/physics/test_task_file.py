@@ -170,6 +170,7 @@ def test_what_raised_is_run_again_and_what_ran_is_not(file: Path) -> None:
     [
         ("a/my_tasks.py:Arm", Reference(Path("a/my_tasks.py"), "Arm")),
         ("my_tasks.py", Reference(Path("my_tasks.py"), "")),
+        ("my_tasks.py:lab/Arm", Reference(Path("my_tasks.py"), "lab/Arm")),
         ("Pendulum", None),
     ],
 )

@@ -1,6 +1,7 @@
 """`d3pg verify`: a stored curve against the run trained anew."""
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -8,6 +9,7 @@ import pytest
 import algorithms
 from algorithms.early_end import DivergedError, Divergence, FailedRunsError, Failure
 from algorithms.measurement import Measurement
+from physics.task_file import TaskFile
 from service.client import Client
 from service.store.store import Store
 from tests.service.cli.conftest import Command
@@ -64,6 +66,43 @@ def test_the_same_bits_are_said_to_be_the_same(
     store.record(claim, Progress(1600, measurements=curve, finished=(0,)))
     [run] = service.runs(sweep)
     assert "all 2 measurements are the same" in d3pg("verify", run.id).stdout
+
+
+def test_a_run_of_a_task_file_needs_that_file(
+    d3pg: Command, service: Client, store: Store, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file, another = tmp_path / "my_tasks.py", tmp_path / "others.py"
+    file.write_text("x = 1\n")
+    another.write_text("x = 2\n")
+    sweep = service.submit(SWEEP).id
+    claim = store.claim_cohort("worker", 60.0)
+    assert claim is not None
+    digest = TaskFile.read(file).digest
+    store.record(
+        claim,
+        Progress(800, measurements=(POINT,), finished=(0,), fingerprint={"task": digest}),
+    )
+    [run] = service.runs(sweep)
+
+    def refusal(*options: str) -> str:
+        return str(d3pg("verify", run.id, *options, code=1).exception)
+
+    assert "of a task file: give it with --task" in refusal()
+    told = refusal("--task", str(another))
+    assert f"others.py has the hash {TaskFile.read(another).digest}, and the file that" in told
+    assert digest in told
+    assert "cannot be read" in refusal("--task", "nothing.py")
+    assert "defines no task" in refusal("--task", str(file))
+    asked: list[str] = []
+
+    def train(algorithm: str, environment: str, **settings: Any) -> Iterator[Measurement]:
+        del algorithm, settings
+        asked.append(environment)
+        yield POINT
+
+    monkeypatch.setattr(algorithms, "train", train)
+    assert "all 1 measurements are the same" in d3pg("verify", run.id, "--task", str(file)).stdout
+    assert asked == [f"{file}:Pendulum"]
 
 
 def test_another_curve_is_told_by_its_first_difference(
