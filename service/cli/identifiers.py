@@ -104,6 +104,7 @@ MaybeSweepId = Annotated[str | None, _argument("[SWEEP]", "List its runs.", _one
 Identifier = Annotated[
     str, _argument("ID", "A sweep or a single run, or its beginning.", _one, complete_id)
 ]
+RunId = Annotated[str, _argument("RUN", "The id of a run, or its beginning.", _one, complete_id)]
 Identifiers = Annotated[
     list[str], _argument("ID...", "Sweeps and single runs, or beginnings.", _each, complete_id)
 ]

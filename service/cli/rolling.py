@@ -11,6 +11,7 @@ from PIL import Image
 
 from physics.drawing import Capsule, Drawing, Polygon
 from service.api.schemas.rollout_answer import RolloutAnswer
+from service.cli.identifiers import RunId
 from service.cli.terminal import AsJson, print_json, say
 from service.client import Client
 
@@ -18,7 +19,7 @@ FRAME_SECONDS = 0.04  # browsers slow faster GIFs down
 
 
 def rollout(
-    run_id: Annotated[str, typer.Argument(metavar="RUN", help="The id of a run.")],
+    run_id: RunId,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="A .gif file, or a folder for PNGs.")
     ] = None,

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Annotated, NamedTuple
 
 import typer
+from pydantic import BaseModel
 from rich.progress import track
 
 import algorithms
@@ -14,7 +15,8 @@ from algorithms.early_end import DivergedError, Divergence, EarlyEnd, FailedRuns
 from algorithms.threads import one_thread
 from physics.task_file import TaskFile
 from service.api.schemas.run_answer import RunAnswer
-from service.cli.terminal import console, say
+from service.cli.identifiers import RunId
+from service.cli.terminal import AsJson, errors, print_json, say
 from service.client import Client, ServiceError
 from service.model.run import RunStatus
 from workers.training.fingerprint import fingerprint
@@ -29,12 +31,33 @@ class Trained(NamedTuple):
     end: EarlyEnd | None
 
 
+class Verdict(BaseModel):
+    """How a run that was trained again compares with what is stored.
+
+    Attributes:
+        run: its id.
+        is_same: whether its curve and its end are, bit for bit.
+        measurements: how many are stored.
+        first_mismatch: the first that differs, counted from 0; None where none does.
+        end: how it ended otherwise; empty where it ended alike.
+        differing_facts: what this process does differently from the run's worker.
+    """
+
+    run: str
+    is_same: bool
+    measurements: int
+    first_mismatch: int | None
+    end: str
+    differing_facts: list[str]
+
+
 def verify(
-    run: Annotated[str, typer.Argument(metavar="RUN", help="The id of a run.")],
+    run: RunId,
     task: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="The task file, where the run's task is of one."),
     ] = None,
+    as_json: AsJson = False,
 ) -> None:
     """Train a run again, here and alone; its curve must come out the same, bit for bit.
 
@@ -46,20 +69,25 @@ def verify(
         stored = [(int(row["timestep"]), float(row["return_mean"])) for row in rows]
     if not stored and told.status is not RunStatus.DIVERGED:
         raise ServiceError(f"{run} is {told.status} and has measured nothing to compare with.")
-    for fact in differing_facts(told):
+    facts = differing_facts(told)
+    for fact in facts if not as_json else ():
         say(f"The run was trained with another {fact}: its bits may differ for that reason.")
     again = trained(told, len(stored), environment_of(told, task))
     mismatch = first_mismatch(stored, again.points)
     differing_end = another_end(told, again.end)
-    if mismatch is None:
-        say(f"{run}: all {len(stored)} measurements are the same, bit for bit.")
+    verdict = Verdict(
+        run=run,
+        is_same=mismatch is None and not differing_end,
+        measurements=len(stored),
+        first_mismatch=mismatch,
+        end=differing_end,
+        differing_facts=facts,
+    )
+    if as_json:
+        print_json(verdict)
     else:
-        say(f"{run}: measurement {mismatch + 1} of {len(stored)} and what follows differ.")
-    if differing_end:
-        say(f"{run}: {differing_end}.")
-    elif again.end is not None:
-        say(f"{run}: it ended as it had: {again.end.reason}.")
-    if mismatch is not None or differing_end:
+        _say(verdict, again.end)
+    if not verdict.is_same:
         raise SystemExit(1)
 
 
@@ -84,6 +112,18 @@ def environment_of(run: RunAnswer, task: Path | None) -> str:
     return f"{task}:{run.environment}"
 
 
+def _say(verdict: Verdict, end: EarlyEnd | None) -> None:
+    run, stored = verdict.run, verdict.measurements
+    if verdict.first_mismatch is None:
+        say(f"{run}: all {stored} measurements are the same, bit for bit.")
+    else:
+        say(f"{run}: measurement {verdict.first_mismatch + 1} of {stored} and what follows differ.")
+    if verdict.end:
+        say(f"{run}: {verdict.end}.")
+    elif end is not None:
+        say(f"{run}: it ended as it had: {end.reason}.")
+
+
 def trained(run: RunAnswer, count: int, environment: str) -> Trained:
     """The first `count` measurements of a run of the same spec; of one that diverged, its end too.
 
@@ -100,7 +140,7 @@ def trained(run: RunAnswer, count: int, environment: str) -> Trained:
             timesteps=run.timesteps,
             config=dict(run.config),
         )
-        shown = track(islice(measurements, wanted), "training", total=count, console=console)
+        shown = track(islice(measurements, wanted), "training", total=count, console=errors)
         for each in shown:
             points.append((each.timestep, each.return_mean))
     except DivergedError as error:

@@ -12,7 +12,7 @@ from algorithms.measurement import Measurement
 from physics.task_file import TaskFile
 from service.client import Client
 from service.store.store import Store
-from tests.service.cli.conftest import Command
+from tests.service.cli.conftest import Command, as_json
 from tests.service.training import measured, rising, train
 from workers.messages.progress import Progress
 from workers.messages.run_spec import RunSpec
@@ -177,3 +177,15 @@ def test_what_cannot_be_compared_is_a_sentence(
     training(monkeypatch, end=ValueError("there is no algorithm 'ddpg'"))
     error = d3pg("verify", run.id, code=1).exception
     assert str(error) == f"{run.id} cannot be trained here: there is no algorithm 'ddpg'"
+
+
+def test_a_verdict_for_programs(
+    d3pg: Command, diverged: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    training(monkeypatch, POINT, end=DivergedError([DIVERGED]))
+    verdict = as_json(d3pg("verify", diverged, "--json"))
+    assert (verdict["run"], verdict["is_same"], verdict["measurements"]) == (diverged, True, 1)
+    other = measured(RunSpec("ddpg", "Pendulum", 0), 800, -901.0)
+    training(monkeypatch, other, end=DivergedError([DIVERGED]))
+    verdict = as_json(d3pg("verify", diverged, "--json", code=1))
+    assert (verdict["is_same"], verdict["first_mismatch"]) == (False, 0)
