@@ -26,14 +26,17 @@ from typing import Any, Literal, Self, TypeVar
 import httpx2
 from pydantic import BaseModel
 
+from service.analysis.comparison import Abscissa
+from service.analysis.curves import Band
 from service.analysis.figures.figure_form import Form
 from service.analysis.figures.paper_figure import FigureNumber
+from service.analysis.statistics.score import Score
 from service.api.schemas.bulk import BulkAnswer, DeletionAnswer
 from service.api.schemas.curves_answer import CurvesAnswer
 from service.api.schemas.listed_sweep_answer import ListedSweepAnswer
 from service.api.schemas.measurements_answer import MeasurementsAnswer
 from service.api.schemas.number import unsayable
-from service.api.schemas.page import Page
+from service.api.schemas.page import DEFAULT_LIMIT, Page
 from service.api.schemas.question.verdict_answer import VerdictAnswer
 from service.api.schemas.readiness_answer import ReadinessAnswer
 from service.api.schemas.rollout_answer import RolloutAnswer
@@ -43,11 +46,14 @@ from service.api.schemas.statistics_answer import StatisticsAnswer
 from service.api.schemas.sweep_answer import DryRunAnswer, SweepAnswer, SweepHead
 from service.api.schemas.sweep_request import SweepRequest
 from service.model.move import Move
+from service.model.run import RunStatus
 from service.model.run_name import is_run
 from service.model.sweep import SweepStatus
 from service.store.claiming.bulk import BulkMove
+from service.store.reading.run_order import By
 
 API = "/api/v1"
+DEFAULT_POINTS = 300
 
 Option = str | bool | int
 TableText = Literal["csv", "markdown", "latex"]
@@ -253,14 +259,41 @@ class Client:
         """One run, by its id (`<sweep>-<number>`)."""
         return self._get(RunAnswer, f"/runs/{run_id}")
 
-    def runs(self, sweep_id: str, **filters: Option) -> Iterator[ListedRunAnswer]:
+    def runs(
+        self,
+        sweep_id: str,
+        *,
+        status: RunStatus | str | None = None,
+        algorithm: str | None = None,
+        environment: str | None = None,
+        sort: By = "made",
+        descending: bool = False,
+        sparkline: int = 0,
+        limit: int = DEFAULT_LIMIT,
+    ) -> Iterator[ListedRunAnswer]:
         """The runs of a sweep, fetched page by page while you iterate.
 
         Args:
             sweep_id: the sweep.
-            filters: query parameters of `GET /sweeps/{id}/runs`, such as `status="failed"`.
+            status: those that stand there.
+            algorithm: those of it.
+            environment: those in it.
+            sort: by what they are listed.
+            descending: whether the largest comes first.
+            sparkline: about so many points of return_mean with each.
+            limit: of a page.
         """
-        return self._pages(Page[ListedRunAnswer], f"/sweeps/{sweep_id}/runs", **filters)
+        asked = {"status": status, "algorithm": algorithm, "environment": environment}
+        given = {name: value for name, value in asked.items() if value is not None}
+        return self._pages(
+            Page[ListedRunAnswer],
+            f"/sweeps/{sweep_id}/runs",
+            **given,
+            sort=sort,
+            descending=descending,
+            sparkline=sparkline,
+            limit=limit,
+        )
 
     def attempts(self, run_id: str) -> list[AttemptAnswer]:
         """The attempts of a run, oldest first, with how each one ended."""
@@ -281,6 +314,26 @@ class Client:
         if is_run(identifier):
             return RunAnswer.model_validate_json(answer)
         return SweepAnswer.model_validate_json(answer)
+
+    def cancel(self, identifier: str) -> SweepAnswer | RunAnswer:
+        """Cancel a sweep or a run; what it measured stays."""
+        return self.move(identifier, "cancel")
+
+    def pause(self, identifier: str) -> SweepAnswer | RunAnswer:
+        """Start none of the queued runs of a sweep, or not this run."""
+        return self.move(identifier, "pause")
+
+    def resume(self, identifier: str) -> SweepAnswer | RunAnswer:
+        """Queue what was paused."""
+        return self.move(identifier, "resume")
+
+    def retry(self, identifier: str) -> SweepAnswer | RunAnswer:
+        """Queue failed runs again, and only those."""
+        return self.move(identifier, "retry")
+
+    def uncancel(self, identifier: str) -> SweepAnswer | RunAnswer:
+        """Queue cancelled runs again, and only those."""
+        return self.move(identifier, "uncancel")
 
     def move_all(self, identifiers: Sequence[str], move: BulkMove) -> BulkAnswer:
         """Ask many sweeps and runs for a move in one request.
@@ -337,33 +390,67 @@ class Client:
         """Every measurement of a run as rows; numbers are text with all their digits."""
         return list(csv.DictReader(io.StringIO(self.measurements_csv(run_id))))
 
-    def curves(self, sweep_id: str, **options: Option) -> CurvesAnswer:
+    def sweep_csv(self, sweep_id: str) -> str:
+        """Every measurement of all runs of a sweep as CSV, a line a measurement; one request."""
+        return self._call("GET", f"/sweeps/{sweep_id}/measurements").text
+
+    def curves(
+        self,
+        sweep_id: str,
+        *,
+        metric: str = "return_mean",
+        normalized: bool | None = None,
+        band: Band = "std",
+        x: Abscissa = "timesteps",
+        max_points: int = DEFAULT_POINTS,
+        seeds: bool = False,
+        run: int | None = None,
+    ) -> CurvesAnswer:
         """Mean and band over seeds of every entry in every task.
 
         Args:
             sweep_id: the sweep.
-            options: query parameters of `GET /sweeps/{id}/curves`, such as `metric="return_mean"`,
-                `normalized=True`, `band="ci95"` or `seeds=True`.
+            metric: a return, or a diagnostic that the runs measure.
+            normalized: whether 0 acts at random and 1 is the best; None: of returns.
+            band: what it shows.
+            x: the abscissa.
+            max_points: of a curve.
+            seeds: each run's own curve too.
+            run: of this run alone, by the number at the end of its id.
         """
-        return self._get(CurvesAnswer, f"/sweeps/{sweep_id}/curves", **options)
+        asked = {
+            "metric": metric,
+            "normalized": normalized,
+            "band": band,
+            "x": x,
+            "max_points": max_points,
+            "seeds": seeds,
+            "run": run,
+        }
+        given = {name: value for name, value in asked.items() if value is not None}
+        return self._get(CurvesAnswer, f"/sweeps/{sweep_id}/curves", **given)
 
-    def table(self, sweep_id: str, **options: Option) -> ScoreTableAnswer:
+    def table(
+        self, sweep_id: str, *, score: Score = "final", normalized: bool = True
+    ) -> ScoreTableAnswer:
         """The score of every entry in every task.
 
         Args:
             sweep_id: the sweep.
-            options: query parameters of `GET /sweeps/{id}/table`, such as `score="area"`.
+            score: which one.
+            normalized: whether 0 acts at random and 1 is the best.
         """
-        return self._get(ScoreTableAnswer, f"/sweeps/{sweep_id}/table", **options)
+        path = f"/sweeps/{sweep_id}/table"
+        return self._get(ScoreTableAnswer, path, score=score, normalized=normalized)
 
-    def statistics(self, sweep_id: str, **options: Option) -> StatisticsAnswer:
+    def statistics(self, sweep_id: str, *, score: Score = "final") -> StatisticsAnswer:
         """Statistics of the entries over all tasks, each with its interval and definition.
 
         Args:
             sweep_id: the sweep.
-            options: query parameters of `GET /sweeps/{id}/statistics`.
+            score: of the runs.
         """
-        return self._get(StatisticsAnswer, f"/sweeps/{sweep_id}/statistics", **options)
+        return self._get(StatisticsAnswer, f"/sweeps/{sweep_id}/statistics", score=score)
 
     def verdict(self, sweep_id: str) -> VerdictAnswer:
         """What a sweep's question has come to: an outcome and a sentence for each comparison.
@@ -373,10 +460,12 @@ class Client:
         """
         return self._get(VerdictAnswer, f"/sweeps/{sweep_id}/verdict")
 
-    def table_text(self, sweep_id: str, form: TableText, **options: Option) -> str:
+    def table_text(
+        self, sweep_id: str, form: TableText, *, score: Score = "final", normalized: bool = True
+    ) -> str:
         """The table of `table` as text: CSV, Markdown or LaTeX; same options."""
-        path, params = f"/sweeps/{sweep_id}/table", {**options, "format": form}
-        return self._call("GET", path, params=params).text
+        asked = {"score": score, "normalized": normalized, "format": form}
+        return self._call("GET", f"/sweeps/{sweep_id}/table", params=asked).text
 
     def figure(
         self,
@@ -400,6 +489,11 @@ class Client:
     def rollout(self, run_id: str, seed: int = 0) -> RolloutAnswer:
         """An episode of a run's learned policy, from the start that the task draws for `seed`."""
         return self._get(RolloutAnswer, f"/runs/{run_id}/rollout", seed=seed)
+
+    def catalogue_names(self, kind: Literal["algorithms", "environments"]) -> dict[str, str]:
+        """The names of the algorithms or of the tasks, each with a line on it, if there is one."""
+        listed = self._call("GET", "/catalogue").json()[kind]
+        return {each["name"]: str(each.get("summary", "")) for each in listed}
 
     def readiness(self) -> ReadinessAnswer:
         """The state of database and cluster (`/readyz`), whether they are ready or not."""

@@ -9,7 +9,8 @@ import typer
 from service.api.schemas.sweep_answer import SweepAnswer
 from service.cli.algorithm_option import ALGORITHM_TEXT, algorithm_of
 from service.cli.following import counts_text
-from service.cli.terminal import AsJson, SweepId, print_json, say
+from service.cli.identifiers import SweepId
+from service.cli.terminal import AsJson, print_json, say
 from service.client import Client
 
 

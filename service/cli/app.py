@@ -71,7 +71,7 @@ def main() -> None:
         if isinstance(error, BrokenPipeError):  # whoever read our output has had enough
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         else:
-            Console(stderr=True).print(str(error), style="red", markup=False, soft_wrap=True)
+            say(str(error), Console(stderr=True, style="red"))
         sys.exit(1)
     except KeyboardInterrupt:
         sys.exit(130)

@@ -6,10 +6,11 @@ from typing import Annotated
 
 import typer
 
+from service.cli.identifiers import SweepId, SweepIds
 from service.cli.listing import show_sweep
 from service.cli.moving import say_moved
 from service.cli.submitting import counted_runs
-from service.cli.terminal import AsJson, SweepId, errors, plain, print_json, say
+from service.cli.terminal import AsJson, errors, plain, print_json, say
 from service.client import Client
 
 
@@ -54,7 +55,7 @@ def edit(
 
 
 def rm(
-    sweep_ids: Annotated[list[str], typer.Argument(metavar="SWEEP...", help="Ids of sweeps.")],
+    sweep_ids: SweepIds,
     yes: Annotated[bool, typer.Option("--yes", "-y", help="Do not ask.")] = False,
     as_json: AsJson = False,
 ) -> None:

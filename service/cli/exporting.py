@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Annotated, Any
@@ -15,13 +14,13 @@ import typer
 from service.analysis.figures.figure_form import MEDIA_TYPES
 from service.analysis.figures.paper_figure import FigureNumber
 from service.analysis.statistics.score import Score
+from service.api.schemas.measurements_answer import SPEC_COLUMNS
 from service.api.schemas.run_answer import RunAnswer
 from service.api.schemas.score_table_answer import StandingAnswer, inert
-from service.cli.terminal import AsJson, Identifier, SweepId, print_json, print_table, say
+from service.cli.identifiers import Identifier, SweepId
+from service.cli.terminal import AsJson, print_json, print_table, say, write_out
 from service.client import Client, TableText
 from service.model.run_name import is_run
-
-SPEC_COLUMNS = ("run", "label", "algorithm", "environment", "w1", "w2", "config", "seed")
 
 Row = dict[str, Any]
 
@@ -37,15 +36,18 @@ def export(
     with Client() as client:
         if as_json:
             for run in runs_of(client, identifier):
-                say(client.measurements(run.id).model_dump_json())
+                print_json(client.measurements(run.id), indent=None)
             return
-        rows = list(measurement_rows(client, runs_of(client, identifier)))
-    text = written(rows)
+        if is_run(identifier):
+            text = written(list(measurement_rows(client, runs_of(client, identifier))))
+        else:
+            text = client.sweep_csv(identifier)
     if output is None:
-        sys.stdout.write(text)
+        write_out(text)
     else:
         output.write_text(text, encoding="utf-8", newline="")
-        say(f"Wrote {len(rows)} measurements to {output}")
+        lines = sum(1 for _ in csv.reader(io.StringIO(text, newline="")))
+        say(f"Wrote {lines - 1} measurements to {output}")
 
 
 def runs_of(client: Client, identifier: str) -> Iterator[RunAnswer]:
@@ -86,12 +88,11 @@ def table(
     as_json: AsJson = False,
 ) -> None:
     """Print what every learner reached in every task."""
-    asked: dict[str, str | bool] = {"score": score, "normalized": not raw}
     with Client() as client:
         if form is not None and not as_json:
-            sys.stdout.write(client.table_text(sweep_id, form, **asked))
+            write_out(client.table_text(sweep_id, form, score=score, normalized=not raw))
             return
-        answer = client.table(sweep_id, **asked)
+        answer = client.table(sweep_id, score=score, normalized=not raw)
     if as_json:
         print_json(answer)
         return

@@ -16,7 +16,8 @@ from service.api.schemas.curves_answer import CurveAnswer
 from service.api.schemas.question.verdict_answer import VerdictAnswer
 from service.api.schemas.run_answer import RunAnswer
 from service.api.schemas.sweep_answer import SweepAnswer, SweepHead
-from service.cli.terminal import AsJson, SweepId, console, plain, print_table, say, table_of
+from service.cli.identifiers import SweepId
+from service.cli.terminal import AsJson, console, plain, print_json, print_table, say, table_of
 from service.client import Client
 
 MAX_NAME = 24
@@ -47,7 +48,7 @@ def follow(client: Client, sweep_id: str, console: Console, *, as_json: bool = F
         raise
     if not as_json:
         if ended.request.get("question"):
-            say_verdict(client.verdict(sweep_id), console)
+            say_verdict(client.verdict(ended.id), console)
         for run in _unsuccessful(client, ended):
             say(
                 f"{run.id} {run.label} {run.environment} seed {run.seed}: "
@@ -68,7 +69,7 @@ def say_verdict(verdict: VerdictAnswer, console: Console = console) -> None:
 def _followed(client: Client, sweep: SweepAnswer, console: Console, as_json: bool) -> SweepAnswer:
     """Show a sweep until it ends."""
     if as_json:
-        return client.wait(sweep.id, progressed=changes(lambda s: say(s.model_dump_json())))
+        return client.wait(sweep.id, progressed=changes(lambda s: print_json(s, indent=None)))
     show = _follow_live if console.is_terminal else _follow_lines
     return show(client, sweep, console)
 

@@ -12,25 +12,40 @@ from service.api.schemas.page import Page
 from service.api.schemas.run_answer import AttemptAnswer, ListedRunAnswer, RunAnswer
 from service.api.schemas.sweep_answer import SweepAnswer
 from service.cli.following import counts_text, eta_text, say_verdict
-from service.cli.terminal import AsJson, Identifier, print_json, print_table, say
+from service.cli.identifiers import (
+    Identifier,
+    MaybeSweepId,
+    complete_algorithm,
+    complete_environment,
+)
+from service.cli.terminal import AsJson, console, print_json, print_table, say
 from service.client import Client
 from service.model.entry import setting_text
 from service.model.run_name import is_run
 
 LOG_LINES = 20
 MOST_NAMED = 3
+WIDE = 140
+"""Columns of a terminal that shows what sweeps compare."""
 
 
 def ls(
-    sweep_id: Annotated[
-        str | None, typer.Argument(metavar="[SWEEP]", help="List its runs, not the sweeps.")
-    ] = None,
+    sweep_id: MaybeSweepId = None,
     status: Annotated[str | None, typer.Option(help="Only those that stand there.")] = None,
     algorithm: Annotated[
-        str | None, typer.Option("--algorithm", "-a", help="Only what is of it.")
+        str | None,
+        typer.Option(
+            "--algorithm", "-a", help="Only what is of it.", autocompletion=complete_algorithm
+        ),
     ] = None,
     environment: Annotated[
-        str | None, typer.Option("--environment", "-e", help="Only what is in this task.")
+        str | None,
+        typer.Option(
+            "--environment",
+            "-e",
+            help="Only what is in this task.",
+            autocompletion=complete_environment,
+        ),
     ] = None,
     q: Annotated[
         str | None,
@@ -42,16 +57,27 @@ def ls(
     as_json: AsJson = False,
 ) -> None:
     """List sweeps, newest first, or the runs of one."""
-    filters = {"status": status, "algorithm": algorithm, "environment": environment}
-    given = {name: str(value) for name, value in filters.items() if value is not None}
     if sweep_id is not None and (q or tag or archived):
         raise typer.BadParameter("--search, --tag and --archived are for sweeps, not for runs")
     with Client() as client:
         if sweep_id is None:
-            sweeps = client.sweeps(q, tag=tag, archived=archived, **given)
+            sweeps = client.sweeps(
+                q,
+                tag=tag,
+                algorithm=algorithm,
+                environment=environment,
+                status=status,
+                archived=archived,
+            )
             list_sweeps(list(islice(sweeps, limit + 1)), limit, as_json)
         else:
-            runs = client.runs(sweep_id, limit=min(1000, limit + 1), **given)
+            runs = client.runs(
+                sweep_id,
+                status=status,
+                algorithm=algorithm,
+                environment=environment,
+                limit=min(1000, limit + 1),
+            )
             list_runs(list(islice(runs, limit + 1)), limit, as_json)
 
 
@@ -60,16 +86,17 @@ def list_sweeps(sweeps: list[ListedSweepAnswer], limit: int, as_json: bool) -> N
     if as_json:
         print_json(Page[ListedSweepAnswer](items=sweeps[:limit], next=None))
         return
-    print_table(
-        ("sweep", "status", "done", "ETA", "runs", "submitted (UTC)", "name", "learners", "tasks",
-         "best", "tags"),
-        [
-            (s.id, s.status, f"{s.progress:.0%}", eta_text(s).removeprefix("ETA "),
-             counts_text(s), f"{s.created_at:%Y-%m-%d %H:%M}", s.name, named(s.algorithms),
-             named(s.environments), best_text(s.best), ", ".join(s.tags))
-            for s in sweeps[:limit]
-        ],
-    )  # fmt: skip
+    headings = ("sweep", "status", "done", "ETA", "runs", "submitted (UTC)", "name", "learners",
+                "tasks", "best", "tags")  # fmt: skip
+    rows = [
+        (s.id, s.status, f"{s.progress:.0%}", eta_text(s).removeprefix("ETA "), counts_text(s),
+         f"{s.created_at:%Y-%m-%d %H:%M}", s.name, named(s.algorithms), named(s.environments),
+         best_text(s.best), ", ".join(s.tags))
+        for s in sweeps[:limit]
+    ]  # fmt: skip
+    is_narrow = console.is_terminal and console.width < WIDE
+    shown = headings.index("learners") if is_narrow else len(headings)
+    print_table(headings[:shown], [row[:shown] for row in rows])
     say_if_more(len(sweeps), limit)
 
 
@@ -122,7 +149,7 @@ def show(identifier: Identifier, as_json: AsJson = False) -> None:
         else:
             show_sweep(sweep, client.url)
             if sweep.request.get("question"):
-                say_verdict(client.verdict(identifier))
+                say_verdict(client.verdict(sweep.id))
 
 
 def show_sweep(sweep: SweepAnswer, url: str) -> None:

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Annotated
 
 import typer
 
 from service.api.schemas.bulk import BulkAnswer
 from service.api.schemas.sweep_answer import SweepAnswer
 from service.cli.following import counts_text
+from service.cli.identifiers import Identifiers
 from service.cli.terminal import AsJson, errors, print_json, say
 from service.client import Client
 from service.model.move import TRANSITIONS, Move
-
-Identifiers = Annotated[list[str], typer.Argument(metavar="ID...", help="Sweeps and single runs.")]
 
 
 def command_of(asked: Move) -> Callable[[list[str], bool], None]:

@@ -12,6 +12,7 @@ import typer
 from service.api.schemas.sweep_answer import CellAnswer, CostAnswer, DryRunAnswer
 from service.cli.algorithm_option import ALGORITHM_TEXT, algorithm_of, values_of
 from service.cli.following import follow
+from service.cli.identifiers import complete_algorithm, complete_environment
 from service.cli.sweep_file import read_request
 from service.cli.terminal import AsJson, console, print_json, print_table, say
 from service.client import Client, SubmissionNotice
@@ -24,10 +25,21 @@ def submit(
     ] = None,
     algorithm: Annotated[
         list[str] | None,
-        typer.Option("--algorithm", "-a", help=f"{ALGORITHM_TEXT}; may be repeated."),
+        typer.Option(
+            "--algorithm",
+            "-a",
+            help=f"{ALGORITHM_TEXT}; may be repeated.",
+            autocompletion=complete_algorithm,
+        ),
     ] = None,
     environment: Annotated[
-        list[str] | None, typer.Option("--environment", "-e", help="A task; may be repeated.")
+        list[str] | None,
+        typer.Option(
+            "--environment",
+            "-e",
+            help="A task; may be repeated.",
+            autocompletion=complete_environment,
+        ),
     ] = None,
     seeds: Annotated[
         str | None, typer.Option(help="How many seeds each curve gets, or which: 0,3,7.")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import textwrap
 from collections.abc import Iterable, Sequence
 from typing import Annotated
@@ -21,20 +22,34 @@ console = Console()
 errors = Console(stderr=True)
 
 AsJson = Annotated[bool, typer.Option("--json", help="Print the service's answer as JSON.")]
-SweepId = Annotated[str, typer.Argument(metavar="SWEEP", help="The id of a sweep.")]
-Identifier = Annotated[str, typer.Argument(metavar="ID", help="A sweep or a single run.")]
 
 Rows = Iterable[Sequence[object]]
 
 
-def say(line: str, console: Console = console) -> None:
-    """Print one line as it stands, however long it is and whatever brackets it has."""
-    console.print(line, markup=False, highlight=False, soft_wrap=True)
+def say(text: str, console: Console = console) -> None:
+    """Print text, whatever brackets it has and however long its lines; it steers no terminal."""
+    shown = "".join(each if each.isprintable() or each in "\n\t" else " " for each in text)
+    console.print(shown, markup=False, highlight=False, soft_wrap=True)
 
 
-def print_json(answer: BaseModel) -> None:
-    """Print an answer of the service."""
-    say(answer.model_dump_json(indent=2))
+def print_json(answer: BaseModel, indent: int | None = 2) -> None:
+    """Print an answer of the service; what would steer a terminal is written as an escape."""
+    text = answer.model_dump_json(indent=indent)
+    say("".join(each if each.isprintable() or each == "\n" else escaped(each) for each in text))
+
+
+def escaped(character: str) -> str:
+    """Return a character as JSON's escapes have it: one for each of its units of UTF-16."""
+    units = character.encode("utf-16-be")
+    return "".join(f"\\u{units[i : i + 2].hex()}" for i in range(0, len(units), 2))
+
+
+def write_out(text: str) -> None:
+    """Write a text as it stands; on a terminal, cleaned of what would steer it."""
+    if console.is_terminal:
+        say(text.rstrip("\n"))
+    else:
+        sys.stdout.write(text)
 
 
 def print_table(headings: Sequence[str], rows: Rows, console: Console = console) -> None:

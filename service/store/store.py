@@ -235,6 +235,7 @@ class Store:
     # ---- what was measured
 
     measurements = _reads(measured.of_run)
+    sweep_measurements = _reads(measured.of_runs)
     curve_points = _reads(measured.curves)
     return_outlines = _reads(measured.outlines)
     diagnostic_names = _reads(measured.diagnostic_names)

@@ -5,7 +5,7 @@ import subprocess
 import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import httpx2
 import numpy as np
@@ -15,6 +15,7 @@ from fastapi import FastAPI
 from service.api.schemas.sweep_answer import SweepAnswer
 from service.api.schemas.sweep_request import SweepRequest
 from service.client import Client, ServiceError, SubmissionNotice
+from service.model.move import Move
 from service.store.store import Store
 from tests.docs.pages import ROOT, blocks
 from tests.service.conftest import SWEEP, TOKEN, changed
@@ -183,3 +184,23 @@ def test_what_the_clients_page_shows_runs(
     names["plt"].close()
     assert names["values"].shape == (16, 5)
     assert (tmp_path / "curves.png").stat().st_size > 0
+
+
+def test_what_one_sees_at_a_prompt_names_it(service: Client) -> None:
+    sweep = service.submit(SWEEP)
+    assert repr(sweep) == f"<sweep {sweep.id} 'small' queued, 12 runs, 0%>"
+    run = service.run(f"{sweep.id}-1")
+    assert repr(run) == f"<run {run.id} ddpg in MassPoint, seed 1, queued, 0/4000>"
+
+
+def test_each_move_has_a_method_of_its_name(service: Client) -> None:
+    sweep_id = service.submit(SWEEP).id
+    assert repr(service.pause(sweep_id)).count("paused")
+    assert repr(service.resume(sweep_id)).count("queued")
+    assert repr(service.cancel(f"{sweep_id}-0")).count("cancelled")
+    assert repr(service.uncancel(f"{sweep_id}-0")).count("queued")
+    service.cancel(f"{sweep_id}-0")
+    with pytest.raises(ServiceError, match="only failed runs"):
+        service.retry(f"{sweep_id}-0")
+    for name in get_args(Move):
+        assert callable(getattr(Client, name))

@@ -8,11 +8,13 @@ import csv
 import io
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from algorithms.measurement import Measurement
+from service.api.schemas.score_table_answer import inert
+from service.model.run import Run
 
 Number = float | int
 Columns = Mapping[str, Sequence[Number | None]]
@@ -20,6 +22,10 @@ OWN_COLUMNS = (
     "timestep", "return_mean", "return_history", "updates", "jacobians", "seconds",
     "compile_seconds",
 )  # fmt: skip
+
+
+SPEC_COLUMNS = ("run", "label", "algorithm", "environment", "w1", "w2", "config", "seed")
+"""Of a sweep, in front of those: what run a measurement is of."""
 
 
 class NonfiniteAnswer(BaseModel):
@@ -88,6 +94,34 @@ def measurements_json(run_id: str, columns: Columns) -> bytes:
     }
     document = {"run_id": run_id, "columns": finite, "nonfinite": nonfinite}
     return json.dumps(document, allow_nan=False, separators=(",", ":")).encode()
+
+
+def sweep_heading(diagnostics: Sequence[str]) -> str:
+    """Return the first line of the CSV of a sweep."""
+    return _lines([(*SPEC_COLUMNS, *OWN_COLUMNS, *diagnostics)])
+
+
+def sweep_lines(
+    run: Run, label: str, measurements: Sequence[Measurement], diagnostics: Sequence[str]
+) -> str:
+    """Return a line of CSV for each measurement of a run, in front of it what run it is of."""
+    config = json.dumps(dict(run.spec.config), sort_keys=True)
+    spec = (run.id, inert(label), inert(run.spec.algorithm), inert(run.spec.environment),
+            *run.spec.weights, inert(config), run.spec.seed)  # fmt: skip
+    return _lines(
+        (
+            *spec,
+            *(_text(getattr(each, name)) for name in OWN_COLUMNS),
+            *(_text(each.diagnostics[n]) if n in each.diagnostics else "" for n in diagnostics),
+        )
+        for each in measurements
+    )
+
+
+def _lines(rows: Iterable[Sequence[object]]) -> str:
+    file = io.StringIO()
+    csv.writer(file).writerows(rows)
+    return file.getvalue()
 
 
 def measurements_csv(columns: Columns) -> str:

@@ -96,6 +96,11 @@ class RunAnswer(BaseModel):
     memory_bytes: int | None = Field(description="What it may come to fill in its worker.")
     links: dict[str, str]
 
+    def __repr__(self) -> str:
+        """`<run 3f9a0c51b7de-17 ddpg in Pendulum, seed 1, running, 4800/20000>`."""
+        where, done = f"{self.label} in {self.environment}", f"{self.timestep}/{self.timesteps}"
+        return f"<run {self.id} {where}, seed {self.seed}, {self.status.value}, {done}>"
+
     @property
     def is_starting(self) -> bool:
         """Whether its worker still loads or compiles its kernels: nothing was trained yet."""

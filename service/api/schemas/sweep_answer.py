@@ -205,6 +205,11 @@ class SweepHead(BaseModel):
     archived: bool
     links: dict[str, str]
 
+    def __repr__(self) -> str:
+        """`<sweep 3f9a0c51b7de 'weights' running, 48 runs, 25%>`."""
+        runs, done = self.runs.total, f"{self.progress:.0%}"
+        return f"<sweep {self.id} {self.name!r} {self.status.value}, {runs} runs, {done}>"
+
 
 def head_of(sweep: Sweep) -> dict[str, Any]:
     """Return the fields of a sweep's head, its links aside."""

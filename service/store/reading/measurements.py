@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 from sqlalchemy import Column, Connection, Row, Select, false, func, or_, select
 
 from algorithms.measurement import Measurement
-from service.model.run import RunStatus
+from service.model.run import Run, RunStatus
 from service.model.run_curve import RETURNS, RunCurve
 from service.model.run_name import RunName
 from service.store.reading import diagnostics
 from service.store.reading.rows import noun_of
-from service.store.reading.runs import named, spec_of
+from service.store.reading.runs import named, run_of, spec_of
 from service.store.tables import measurements, runs, sweeps
 from service.store.upkeep.copy_in import copy_in
 
@@ -125,6 +125,33 @@ def of_run(connection: Connection, run_id: str) -> list[Measurement]:
         )
         for row in connection.execute(query)
     ]
+
+
+def of_runs(
+    connection: Connection, sweep_id: str, after: int, limit: int
+) -> list[tuple[Run, list[Measurement]]]:
+    """Return some runs of a sweep with all that they measured, from the ordinal after one on."""
+    query = (
+        select(runs, sweeps.c.id.label("sweep_id"))
+        .join(sweeps, sweeps.c.number == runs.c.sweep_number)
+        .where(sweeps.c.id == sweep_id, runs.c.ordinal > after)
+        .order_by(runs.c.ordinal)
+        .limit(limit)
+    )
+    found = {row.number: row for row in connection.execute(query)}
+    names = diagnostics.sets(connection)
+    points: dict[int, list[Measurement]] = {number: [] for number in found}
+    measured = (
+        select(measurements)
+        .where(measurements.c.run_number.in_(found))
+        .order_by(measurements.c.run_number, measurements.c.timestep)
+    )
+    for row in connection.execute(measured):
+        of_set = names[row.diagnostic_set]
+        values = diagnostics.unpack(of_set, row.diagnostics)
+        seed = found[row.run_number].seed
+        points[row.run_number].append(noun_of(Measurement, row, seed=seed, diagnostics=values))
+    return [(run_of(found[number]), points[number]) for number in found]
 
 
 def outlines(connection: Connection, run_ids: Sequence[str], points: int) -> dict[str, list[float]]:

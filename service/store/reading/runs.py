@@ -16,7 +16,7 @@ from workers.messages.run_spec import RunSpec, Weights
 def find(connection: Connection, run_id: str) -> Run | None:
     """Return one run, or None."""
     row = connection.execute(_select().where(named(run_id))).one_or_none()
-    return None if row is None else _run(row)
+    return None if row is None else run_of(row)
 
 
 def get(connection: Connection, run_id: str) -> Run:
@@ -50,7 +50,7 @@ def page(
         keys = _select().with_only_columns(*order.keys()).where(named(after))
         last = connection.execute(keys).one_or_none()
         query = query.where(false() if last is None else order.after(last))
-    return [_run(row) for row in connection.execute(query)]
+    return [run_of(row) for row in connection.execute(query)]
 
 
 def history(connection: Connection, run_id: str) -> list[Attempt]:
@@ -102,7 +102,8 @@ def _select() -> Select[Any]:
     )
 
 
-def _run(row: Row[Any]) -> Run:
+def run_of(row: Row[Any]) -> Run:
+    """Read a run off a row of `runs` with the id of its sweep."""
     name = str(RunName(row.sweep_id, row.ordinal))
     return noun_of(Run, row, id=name, spec=spec_of(row), status=RunStatus(row.status))
 
