@@ -1,18 +1,20 @@
 """`python -m service`: the server, until Ctrl-C or SIGTERM."""
 
 import signal
+import socket
 import sys
+from contextlib import closing, suppress
 
 import uvicorn
+from fastapi import FastAPI
 from pydantic import ValidationError
-from sqlalchemy.exc import OperationalError
 
 from service.api.access_token import access_token, signin_link
 from service.api.logs import configure_logging
 from service.bootstrap import wired
-from service.data_dir import DataDirInUseError
+from service.listening import listen
+from service.refusal import RefusalError
 from service.settings import Settings
-from service.store.refusal import DatabaseInUseError, MissingDriverError, UnsafeSQLiteError
 
 SHUTDOWN_SECONDS = 2
 """How long open requests may take to end; then they are cut."""
@@ -31,29 +33,23 @@ def main() -> int:
     # As Ctrl-C: uvicorn closes its connections, then everything else is closed on the way out.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
-        with wired(settings) as app:
-            print(signin_link(settings, access_token(settings)), flush=True)  # noqa: T201
-            uvicorn.run(
-                app,
-                host=settings.host,
-                port=settings.port,
-                log_config=None,
-                timeout_graceful_shutdown=SHUTDOWN_SECONDS,
-            )
-    except (
-        DataDirInUseError,
-        DatabaseInUseError,
-        MissingDriverError,
-        UnsafeSQLiteError,
-    ) as refusal:
+        with closing(listen(settings.host, settings.port)) as listener, wired(settings) as app:
+            here = settings.model_copy(update={"port": listener.getsockname()[1]})
+            print(signin_link(here, access_token(settings)), flush=True)  # noqa: T201
+            serve(app, listener)
+    except RefusalError as refusal:
         print(refusal, file=sys.stderr)  # noqa: T201
-        return 2
-    except OperationalError as error:
-        print(f"The database cannot be opened: {error.orig}", file=sys.stderr)  # noqa: T201
         return 2
     except KeyboardInterrupt:  # before it served, or once more while it was closing
         return 130
     return 0
+
+
+def serve(app: FastAPI, listener: socket.socket) -> None:
+    """Answer requests until the process is told to end."""
+    config = uvicorn.Config(app, log_config=None, timeout_graceful_shutdown=SHUTDOWN_SECONDS)
+    with suppress(KeyboardInterrupt):  # it ends in order, then hands on the signal that ended it
+        uvicorn.Server(config).run(sockets=[listener])
 
 
 if __name__ == "__main__":

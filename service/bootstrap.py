@@ -24,7 +24,7 @@ from workers.pool.process import PoolProcess, PoolSettings
 def wired(settings: Settings) -> Iterator[FastAPI]:
     """Open everything, yield the application, and close everything in order.
 
-    Raises DataDirInUseError, or what `Store.open` raises.
+    Raises RefusalError.
     """
     with owned(settings.data_dir):
         store = Store.open(settings.store_url)

@@ -26,6 +26,7 @@ from typing import Any, Literal, Self, TypeVar
 import httpx2
 from pydantic import BaseModel
 
+from service.address import is_on_loopback, url_of
 from service.analysis.comparison import Abscissa
 from service.analysis.curves import Band
 from service.analysis.figures.figure_form import Form
@@ -97,6 +98,12 @@ def find_token() -> str:
         ) from error
 
 
+def own_url() -> str:
+    """Where a service with this environment's settings is found."""
+    port = os.environ.get("D3PG_PORT") or "8000"
+    return url_of(os.environ.get("D3PG_HOST") or "127.0.0.1", port)
+
+
 class Client:
     """A connection to one service; usable as a context manager.
 
@@ -114,21 +121,22 @@ class Client:
         """Make a client; the first call opens the connection.
 
         Args:
-            url: the service's address; by default `D3PG_URL`, else port `D3PG_PORT` (8000) of this
-                machine.
+            url: the service's address; by default `D3PG_URL`, else the one that a service with
+                `D3PG_HOST` (127.0.0.1) and `D3PG_PORT` (8000) listens on. A service on this machine
+                is asked directly, whatever proxies the environment names.
             token: the access token; by default that of `find_token`.
             timeout_seconds: how long each call waits for the service.
 
         Raises:
             ServiceError: if no token is given or found.
         """
-        here = f"http://127.0.0.1:{os.environ.get('D3PG_PORT') or 8000}"
-        self.url = url or os.environ.get("D3PG_URL") or here
+        self.url = url or os.environ.get("D3PG_URL") or own_url()
         self.token = token or find_token()
         self._http = httpx2.Client(
             base_url=self.url,
             headers={"Authorization": f"Bearer {self.token}"},
             timeout=timeout_seconds,
+            trust_env=not is_on_loopback(self.url),
         )
 
     def __enter__(self) -> Self:

@@ -7,13 +7,14 @@ from typing import Annotated, Self
 
 from pydantic import ByteSize, Field, SecretStr, field_validator, model_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
+from sqlalchemy import URL, make_url
+from sqlalchemy.exc import ArgumentError
 
+from service.address import LOOPBACK_HOSTS, WILDCARDS, as_url_host, url_of
 from service.queue.disposal import Retention
 from service.queue.worker_memory import LEAST_BYTES, PROCESS_BYTES, usual_worker_memory
 from workers.checkpoints.place import Place, place_of
 
-LOOPBACK_HOSTS = frozenset({"127.0.0.1", "localhost", "[::1]"})
-WILDCARD_ADDRESSES = frozenset({"0.0.0.0", "::"})  # noqa: S104 - recognised, not bound
 MIN_TOKEN_LENGTH = 16
 ENV_PREFIX = "D3PG_"
 
@@ -109,6 +110,19 @@ class Settings(BaseSettings):
         place_of(value)
         return value
 
+    @field_validator("database_url")
+    @classmethod
+    def _refuse_what_is_no_url(cls, value: str) -> str:
+        try:
+            known = not value or make_url(value).get_backend_name() in {"sqlite", "postgresql"}
+        except ArgumentError:
+            known = False
+        if not known:
+            raise ValueError(
+                "a database is named as postgresql://user@host/name or sqlite:////folder/file"
+            )
+        return value
+
     @field_validator("token")
     @classmethod
     def _refuse_short_token(cls, value: SecretStr | None) -> SecretStr | None:
@@ -145,13 +159,15 @@ class Settings(BaseSettings):
     @cached_property
     def allowed_hosts(self) -> frozenset[str]:
         """Host names (as in a URL, without port) that a request may be addressed to."""
-        own = set() if self.host in WILDCARD_ADDRESSES else {as_url_host(self.host)}
+        own = set() if self.host in WILDCARDS else {as_url_host(self.host)}
         return LOOPBACK_HOSTS | own | {as_url_host(name) for name in self.allow_host}
 
     @property
-    def store_url(self) -> str:
-        """The database: `database_url`, else SQLite in the data directory."""
-        return self.database_url or f"sqlite:///{(self.data_dir / 'd3pg.sqlite').resolve()}"
+    def store_url(self) -> URL:
+        """The database: `database_url`, else SQLite in the data directory, whatever its name."""
+        if self.database_url:
+            return make_url(self.database_url)
+        return URL.create("sqlite", database=str((self.data_dir / "d3pg.sqlite").resolve()))
 
     @property
     def run_memory(self) -> int:
@@ -177,16 +193,9 @@ class Settings(BaseSettings):
     @property
     def url(self) -> str:
         """Where a browser on this machine finds the service."""
-        host = "127.0.0.1" if self.host in WILDCARD_ADDRESSES else as_url_host(self.host)
-        return f"http://{host}:{self.port}"
+        return url_of(self.host, self.port)
 
 
 def variable_of(name: str) -> str:
     """Return the environment variable of a setting."""
     return f"{ENV_PREFIX}{name.upper()}"
-
-
-def as_url_host(host: str) -> str:
-    """Write a host as URLs and Host headers do: lower case, an IPv6 address in brackets."""
-    host = host.lower()
-    return f"[{host}]" if ":" in host and not host.startswith("[") else host

@@ -7,6 +7,8 @@ import secrets
 from pathlib import Path
 from urllib.parse import quote
 
+from service.data_dir import make_private
+from service.refusal import RefusalError
 from service.settings import Settings
 
 TOKEN_BYTES = 24
@@ -14,18 +16,22 @@ FILE_NAME = "token"
 WEBHOOK_FILE_NAME = "webhook-secret"
 
 
+class ExposedTokenError(RefusalError):
+    """Other users can read the token's file."""
+
+
 def access_token(settings: Settings) -> str:
     """Return `settings.token`, else the data directory's token, made at first use (mode 0600).
 
-    Raises PermissionError when other users can read the file: its token is no secret any more.
+    Raises ExposedTokenError when other users can read the file: its token is no secret any more.
     """
     if settings.token is not None:
         return settings.token.get_secret_value()
-    settings.data_dir.mkdir(parents=True, exist_ok=True)
+    make_private(settings.data_dir)
     file = settings.data_dir / FILE_NAME
     _create_unless_there(file)
     if file.stat().st_mode & 0o077:
-        raise PermissionError(
+        raise ExposedTokenError(
             f"{file} can be read by other users, so its token is no secret: delete it (the next "
             "start makes a new one) or, if you trust them, run: chmod 600 " + str(file)
         )

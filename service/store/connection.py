@@ -10,7 +10,10 @@ it has had to connect anew, nothing that it began before is still under way. Rea
 snapshot a transaction, as they do on SQLite.
 """
 
+import os
+from contextlib import suppress
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Any, Literal
 
 import pysqlite3.dbapi2
@@ -30,8 +33,10 @@ LOCK_NOT_AVAILABLE = "55P03"
 Role = Literal["writer", "reader"]
 
 
-def connect(url: str, role: Role) -> Engine:
+def connect(url: str | URL, role: Role) -> Engine:
     """Make the engine of one role. The writer's holds one connection; a reader's cannot write.
+
+    A SQLite database is its user's alone, whoever made it.
 
     Raises UnsafeSQLiteError for a SQLite that can corrupt the database, MissingDriverError where
     psycopg is not installed; the writer's, as it connects, DatabaseInUseError.
@@ -63,6 +68,8 @@ def _connect_sqlite(address: URL, role: Role, size: dict[str, int]) -> Engine:
         connect_args={"timeout": BUSY_TIMEOUT_MS / 1000, "check_same_thread": False},
         **size,
     )
+    if role == "writer" and address.database:
+        _close_to_others(Path(address.database))
     begin = "BEGIN IMMEDIATE" if role == "writer" else "BEGIN"
 
     @event.listens_for(engine, "connect")
@@ -82,6 +89,15 @@ def _connect_sqlite(address: URL, role: Role, size: dict[str, int]) -> Engine:
         connection.exec_driver_sql(begin)
 
     return engine
+
+
+def _close_to_others(file: Path) -> None:
+    """Make the file, or take from other users what they may do; SQLite's files beside it follow."""
+    with suppress(OSError):  # whatever is wrong, SQLite will say as it opens the file
+        os.close(os.open(file, os.O_RDWR | os.O_CREAT, 0o600))
+    for each in (file, *(file.with_name(file.name + suffix) for suffix in ("-wal", "-shm"))):
+        with suppress(OSError):
+            each.chmod(0o600)
 
 
 def _connect_postgresql(address: URL, role: Role, size: dict[str, int]) -> Engine:

@@ -1,5 +1,7 @@
 """What the store says no to."""
 
+from service.refusal import RefusalError
+
 
 class NotFoundError(LookupError):
     """There is no sweep or run of that name."""
@@ -13,11 +15,11 @@ class SubmissionKeyReusedError(ValueError):
     """Another request was submitted under this key; the text says which sweep."""
 
 
-class UnsafeSQLiteError(RuntimeError):
+class UnsafeSQLiteError(RefusalError):
     """This SQLite can corrupt the database."""
 
 
-class MissingDriverError(RuntimeError):
+class MissingDriverError(RefusalError):
     """What talks to this kind of database is not installed."""
 
 
@@ -25,9 +27,17 @@ class TransferError(RuntimeError):
     """A copy of a database that would not be one; the text says what is wrong."""
 
 
-class OutdatedTablesError(RuntimeError):
+class OutdatedTablesError(RefusalError):
     """The database's tables are not this version's."""
 
 
-class DatabaseInUseError(RuntimeError):
+class DatabaseInUseError(RefusalError):
     """Another service works on this database."""
+
+
+class NewerTablesError(RefusalError):
+    """A newer version of this service made the database's tables."""
+
+
+class UnusableDatabaseError(RefusalError):
+    """The database cannot be opened: it is damaged, no database, or not reached."""

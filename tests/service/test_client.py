@@ -48,6 +48,26 @@ def test_it_loads_neither_numba_nor_torch_nor_ray() -> None:
     assert done.stdout.split() == []
 
 
+def test_this_machine_is_asked_past_proxies(app: FastAPI, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("HTTP_PROXY", "http_proxy", "ALL_PROXY", "all_proxy"):
+        monkeypatch.setenv(name, "http://127.0.0.1:9")
+    monkeypatch.delenv("NO_PROXY", raising=False)
+    with served(app) as url, Client(url, TOKEN) as client:
+        assert client.readiness().status == "ready"
+    with Client("http://lab.example", TOKEN) as client, pytest.raises(ServiceError):
+        client.readiness()
+
+
+@pytest.mark.parametrize(("host", "url"), [("", "http://127.0.0.1:81"), ("::1", "http://[::1]:81")])
+def test_it_reads_the_settings_that_the_service_reads(
+    monkeypatch: pytest.MonkeyPatch, host: str, url: str
+) -> None:
+    monkeypatch.delenv("D3PG_URL", raising=False)
+    monkeypatch.setenv("D3PG_HOST", host)
+    monkeypatch.setenv("D3PG_PORT", "81")
+    assert Client(token=TOKEN).url == url
+
+
 def test_a_model_and_a_mapping_are_submitted_alike(service: Client) -> None:
     of_mapping = service.submit(SWEEP)
     of_model = service.submit(SweepRequest.model_validate(SWEEP))

@@ -6,8 +6,10 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
+from service.data_dir import make_private
 from service.queue.worker_memory import PROCESS_BYTES, usual_worker_memory
 from service.settings import Settings, variable_of
+from service.store.store import Store
 
 ROOT = Path(__file__).parents[2]
 
@@ -19,7 +21,7 @@ def test_defaults_bind_loopback(monkeypatch: pytest.MonkeyPatch) -> None:
     assert settings.is_loopback
     assert settings.token is None
     assert settings.workers >= 1
-    assert settings.store_url.endswith("/d3pg-data/d3pg.sqlite")
+    assert str(settings.store_url).endswith("/d3pg-data/d3pg.sqlite")
 
 
 def test_environment_variables(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -32,7 +34,7 @@ def test_environment_variables(monkeypatch: pytest.MonkeyPatch) -> None:
         *("127.0.0.1", "localhost", "[::1]"),
         *("lab.example", "10.0.0.7", "[fe80::1]"),
     }
-    assert settings.store_url == "postgresql+psycopg://db/d3pg"
+    assert str(settings.store_url) == "postgresql+psycopg://db/d3pg"
     assert settings.url == "http://127.0.0.1:8080"
 
 
@@ -109,4 +111,19 @@ def test_checkpoints_lie_in_the_data_directory_or_where_they_are_told(
 
 
 def test_sqlite_lies_in_the_data_directory(tmp_path: Path) -> None:
-    assert Settings(data_dir=tmp_path).store_url == f"sqlite:///{tmp_path}/d3pg.sqlite"
+    assert str(Settings(data_dir=tmp_path).store_url) == f"sqlite:///{tmp_path}/d3pg.sqlite"
+
+
+@pytest.mark.parametrize("name", ["d?x=1", "a b", "100%", "ü#", "%3F"])
+def test_whatever_the_directory_is_called(tmp_path: Path, name: str) -> None:
+    settings = Settings(data_dir=tmp_path / name)
+    make_private(settings.data_dir)
+    Store.open(settings.store_url).close()
+    assert (tmp_path / name / "d3pg.sqlite").stat().st_size > 0
+    assert [each.name for each in tmp_path.iterdir()] == [name]
+
+
+@pytest.mark.parametrize("text", ["d3pg", "mysql://lab/d3pg", "://", "/data/d3pg.sqlite"])
+def test_what_is_no_database_is_refused(text: str) -> None:
+    with pytest.raises(ValidationError, match="a database is named as postgresql://"):
+        Settings(database_url=text)

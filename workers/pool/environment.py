@@ -4,11 +4,16 @@ import os
 import secrets
 from pathlib import Path
 
+SECRETIVE = ("D3PG_", "PG")
+"""How variables begin that are the service's and its database's alone: they may hold secrets."""
 TOKEN_VARIABLES = ("RAY_AUTH_TOKEN", "RAY_AUTH_TOKEN_PATH")
 
 
 def pool_environment(ray_address: str, data_dir: Path) -> dict[str, str]:
-    """Return the environment of the process: ours, and what Ray and the workers need set.
+    """Return the environment of the process: ours, less the service's settings, plus Ray's needs.
+
+    Whoever holds Ray's token, and the code of every task, can read it. It has neither the service's
+    token nor the database's address or password.
 
     Ray turns its authentication on by itself in some processes only, and the others then fail, so
     it is set for all of them; the token is the data directory's, or for a cluster to join the one
@@ -16,7 +21,9 @@ def pool_environment(ray_address: str, data_dir: Path) -> dict[str, str]:
     has not answered for about 20 s (its default: over a minute). One thread a worker: the thread
     count of a library changes the bits, and is read as it loads.
     """
-    environment = dict(os.environ)
+    environment = {
+        name: value for name, value in os.environ.items() if not name.startswith(SECRETIVE)
+    }
     environment.update(
         RAY_AUTH_MODE="token",
         RAY_USAGE_STATS_ENABLED="0",

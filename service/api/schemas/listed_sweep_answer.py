@@ -57,6 +57,7 @@ class ListedSweepAnswer(SweepHead):
                     "environments": ["Pendulum"],
                     "entry_count": 2,
                     "seeds": 16,
+                    "timesteps": 20_000,
                     "best": {
                         "label": "hybrid-ddpg",
                         "environment": "Pendulum",
@@ -73,6 +74,7 @@ class ListedSweepAnswer(SweepHead):
     environments: list[str]
     entry_count: int = Field(description="How many entries it compares.")
     seeds: int = Field(description="How many seeds each curve has.")
+    timesteps: int | None = Field(description="Of each run; null: the preset's.")
     best: BestAnswer | None = Field(description="null until all runs of some curve are at the end.")
 
     @classmethod
@@ -93,6 +95,7 @@ class ListedSweepAnswer(SweepHead):
             environments=list(dict.fromkeys(sweep.request["environments"])),
             entry_count=len(entries.all),
             seeds=sweep.runs.total // len(entries.cells),
+            timesteps=sweep.request.get("timesteps"),
             best=shown,
             links={"self": f"/api/v1/sweeps/{sweep.id}", "page": f"/sweeps/{sweep.id}"},
         )

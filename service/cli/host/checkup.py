@@ -14,14 +14,14 @@ from typing import Literal
 
 import pysqlite3.dbapi2
 from pydantic import ValidationError
-from sqlalchemy import make_url, text
+from sqlalchemy import URL, make_url, text
 from sqlalchemy.exc import SQLAlchemyError
 
 from service.api.schemas.readiness_answer import ReadinessAnswer
 from service.client import Client, ServiceError
+from service.refusal import RefusalError
 from service.settings import Settings
 from service.store.connection import check_sqlite, connect
-from service.store.refusal import MissingDriverError, UnsafeSQLiteError
 from workers.checkpoints.place import Place, folder_in
 
 Verdict = Literal["ok", "warning", "failed"]
@@ -152,7 +152,7 @@ def check_token(file: Path) -> Finding:
     return Finding("token", "ok", f"{file}, readable by its owner alone")
 
 
-def check_database(url: str) -> Finding:
+def check_database(url: str | URL) -> Finding:
     """Whether the database can be opened and holds tables of ours, or is still to be made."""
     address = make_url(url)
     shown = address.render_as_string(hide_password=True)
@@ -163,7 +163,7 @@ def check_database(url: str) -> Finding:
             if not Path(address.database or "").exists():
                 return Finding("database", "ok", f"{shown}, not made yet")
         runs = counted_runs(url)
-    except (UnsafeSQLiteError, MissingDriverError) as error:
+    except RefusalError as error:
         return Finding("database", "failed", shown, str(error))
     except SQLAlchemyError as error:
         reason = str(getattr(error, "orig", error)).strip().splitlines()[0]
@@ -174,7 +174,7 @@ def check_database(url: str) -> Finding:
     return Finding("database", "ok", f"{shown}, {runs} runs")
 
 
-def counted_runs(url: str) -> int:
+def counted_runs(url: str | URL) -> int:
     """How many runs the database holds. Raises SQLAlchemyError."""
     engine = connect(url, "reader")
     try:

@@ -10,20 +10,15 @@ from typing import Annotated
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
-from sqlalchemy import Engine, make_url
+from sqlalchemy import URL, Engine, make_url
 from sqlalchemy.exc import SQLAlchemyError
 
 from service.cli.terminal import console, say
-from service.data_dir import DataDirInUseError, owned
+from service.data_dir import owned
+from service.refusal import RefusalError
 from service.settings import Settings
 from service.store.connection import Role, connect
-from service.store.refusal import (
-    DatabaseInUseError,
-    MissingDriverError,
-    OutdatedTablesError,
-    TransferError,
-    UnsafeSQLiteError,
-)
+from service.store.refusal import TransferError
 from service.store.upkeep import backup as backups
 from service.store.upkeep import integrity, migration
 from service.store.upkeep.transfer import transfer
@@ -37,16 +32,7 @@ Database = Annotated[
     str | None,
     typer.Option("--database-url", help="Its SQLAlchemy URL; the service's if unset."),
 ]
-REFUSALS = (
-    DataDirInUseError,
-    DatabaseInUseError,
-    FileExistsError,
-    FileNotFoundError,
-    MissingDriverError,
-    OutdatedTablesError,
-    TransferError,
-    UnsafeSQLiteError,
-)
+REFUSALS = (RefusalError, FileExistsError, FileNotFoundError, TransferError)
 
 
 @app.command()
@@ -111,19 +97,19 @@ def backup(
 ) -> None:
     """Write a backup of a SQLite database, also while the service works."""
     url = _url(database_url)
-    if make_url(url).get_backend_name() != "sqlite":
+    if url.get_backend_name() != "sqlite":
         raise typer.BadParameter("back PostgreSQL up with its own pg_dump", param_hint="FILE")
     with _refusing(), _opened(url, "reader") as engine:
         backups.backup(engine, file)
     say(f"Wrote {file}")
 
 
-def _url(database_url: str | None) -> str:
-    return database_url or Settings().store_url
+def _url(database_url: str | None) -> URL:
+    return make_url(database_url) if database_url else Settings().store_url
 
 
 @contextmanager
-def _opened(url: str, role: Role, *, is_new: bool = False) -> Iterator[Engine]:
+def _opened(url: str | URL, role: Role, *, is_new: bool = False) -> Iterator[Engine]:
     """Raises FileNotFoundError rather than make a SQLite database by looking for it."""
     file = _sqlite_file(url)
     if file is not None and not is_new and not file.exists():
@@ -136,7 +122,7 @@ def _opened(url: str, role: Role, *, is_new: bool = False) -> Iterator[Engine]:
 
 
 @contextmanager
-def _alone(*urls: str) -> Iterator[None]:
+def _alone(*urls: str | URL) -> Iterator[None]:
     """Hold the folders of SQLite databases against services; a PostgreSQL writer is held anyway."""
     folders = {file.absolute().parent for url in urls if (file := _sqlite_file(url))}
     with ExitStack() as held:
@@ -145,7 +131,7 @@ def _alone(*urls: str) -> Iterator[None]:
         yield
 
 
-def _sqlite_file(url: str) -> Path | None:
+def _sqlite_file(url: str | URL) -> Path | None:
     address = make_url(url)
     is_file = address.get_backend_name() == "sqlite" and address.database
     return Path(str(address.database)) if is_file else None

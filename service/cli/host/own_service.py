@@ -16,6 +16,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from service.client import Client, ServiceError
+from service.data_dir import make_private
 
 START_SECONDS = 60.0
 STOP_SECONDS = 20.0
@@ -30,7 +31,8 @@ def own_service() -> Iterator[tuple[Client, subprocess.Popen[bytes]]]:
     for ending in (signal.SIGTERM, signal.SIGHUP):
         signal.signal(ending, signal.default_int_handler)
     log = data_dir() / "logs" / "service.log"
-    log.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    make_private(data_dir())
+    log.parent.mkdir(mode=0o700, exist_ok=True)
     with log.open("wb") as output:
         service = subprocess.Popen(
             [sys.executable, "-m", "service"],

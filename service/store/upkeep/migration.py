@@ -8,14 +8,15 @@ from alembic.runtime.migration import MigrationContext
 from alembic.script import ScriptDirectory
 from sqlalchemy import Connection, Engine
 
-from service.store.refusal import OutdatedTablesError
+from service.store.refusal import NewerTablesError, OutdatedTablesError
 
 MIGRATIONS = Path(__file__).parent / "migrations"
 
 
 def upgrade(engine: Engine, revision: str = "head") -> None:
-    """Apply the migrations that are missing, all in one transaction."""
+    """Apply the migrations that are missing, all in one transaction. Raises NewerTablesError."""
     with engine.begin() as connection:
+        refuse_newer(connection)
         command.upgrade(_config(connection), revision)
 
 
@@ -25,9 +26,22 @@ def downgrade(engine: Engine, revision: str) -> None:
         command.downgrade(_config(connection), revision)
 
 
+def refuse_newer(connection: Connection) -> None:
+    """Raise NewerTablesError where the tables are of a revision that this version does not know."""
+    found = MigrationContext.configure(connection).get_current_revision()
+    known = ScriptDirectory.from_config(_config(connection))
+    if found and found not in {script.revision for script in known.walk_revisions()}:
+        raise NewerTablesError(
+            f"the database's tables are those of revision {found}, which this version does not "
+            f"know (its own is {known.get_current_head()}): install the newer version that made "
+            "them, or use another database"
+        )
+
+
 def refuse_outdated(engine: Engine) -> None:
     """Raise OutdatedTablesError unless the tables are this version's."""
     with engine.connect() as connection:
+        refuse_newer(connection)
         found = MigrationContext.configure(connection).get_current_revision()
         newest = ScriptDirectory.from_config(_config(connection)).get_current_head()
     if found != newest:

@@ -9,6 +9,7 @@ import pytest
 from pydantic import SecretStr
 
 from service.api.access_token import access_token, session_cookie, signin_link
+from service.refusal import RefusalError
 from service.settings import Settings
 
 
@@ -36,7 +37,7 @@ def test_a_file_that_others_can_read_is_refused(tmp_path: Path) -> None:
     settings = Settings(data_dir=tmp_path)
     access_token(settings)
     (tmp_path / "token").chmod(0o644)
-    with pytest.raises(PermissionError, match="chmod 600"):
+    with pytest.raises(RefusalError, match="chmod 600"):
         access_token(settings)
 
 

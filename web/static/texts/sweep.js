@@ -27,14 +27,15 @@ export function summary(sweep) {
 }
 
 /**
- * "2 learners × 8 environments × 16 seeds", of a row of the list.
+ * "2 learners × 8 environments × 16 seeds, 20,000 timesteps", of a row of the list.
  *
  * @param {Api.ListedSweep} sweep
  * @returns {string}
  */
-export function rowSummary({ entry_count: entries, environments, seeds }) {
+export function rowSummary({ entry_count: entries, environments, seeds, timesteps }) {
   const parts = [counted(entries, "learner"), counted(environments.length, "environment")];
-  return [...parts, counted(seeds, "seed")].join(" × ");
+  const product = [...parts, counted(seeds, "seed")].join(" × ");
+  return timesteps === null ? product : `${product}, ${count(timesteps)} timesteps`;
 }
 
 /**

@@ -1,0 +1,5 @@
+"""What the service says when it does not start."""
+
+
+class RefusalError(RuntimeError):
+    """The service does not start; the text says why and what to do."""
