@@ -48,7 +48,7 @@ def follow(client: Client, sweep_id: str, console: Console, *, as_json: bool = F
         raise
     if not as_json:
         if ended.request.get("question"):
-            say_verdict(client.verdict(sweep_id), console)
+            say_verdict(client.verdict(ended.id), console)
         for run in _unsuccessful(client, ended):
             say(
                 f"{run.id} {run.label} {run.environment} seed {run.seed}: "

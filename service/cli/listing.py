@@ -149,7 +149,7 @@ def show(identifier: Identifier, as_json: AsJson = False) -> None:
         else:
             show_sweep(sweep, client.url)
             if sweep.request.get("question"):
-                say_verdict(client.verdict(identifier))
+                say_verdict(client.verdict(sweep.id))
 
 
 def show_sweep(sweep: SweepAnswer, url: str) -> None:
