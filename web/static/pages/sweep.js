@@ -46,7 +46,7 @@ let answered = "";
 const onError = (/** @type {Error} */ error) => connection.failed(error);
 const refreshSweep = new Refresh(loadSweep, { interval: 1000, onError });
 const refreshCurves = new Refresh(loadCurves, { interval: 500, onError });
-const refreshMetrics = new Refresh(loadMetrics, { interval: 3000, onError });
+const refreshMetrics = new Refresh(loadMetrics, { interval: 6000, onError });
 const refreshScores = new Refresh((signal) => scores.load(signal), { interval: 3000, onError });
 const refreshStatistics = new Refresh((signal) => statistics.load(signal), {
   interval: 10_000,
