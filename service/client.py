@@ -34,7 +34,6 @@ from service.analysis.diagnosis import FigureName as DiagnosisFigure
 from service.analysis.figures.figure_form import Form
 from service.analysis.figures.paper_figure import FigureNumber
 from service.analysis.statistics.score import Score
-from service.api.schemas.bulk import BulkAnswer, DeletionAnswer
 from service.api.schemas.curves_answer import CurvesAnswer
 from service.api.schemas.diagnosis_answer import DiagnosisAnswer
 from service.api.schemas.listed_sweep_answer import ListedSweepAnswer
@@ -43,12 +42,13 @@ from service.api.schemas.number import unsayable
 from service.api.schemas.page import DEFAULT_LIMIT, Page
 from service.api.schemas.question.verdict_answer import VerdictAnswer
 from service.api.schemas.readiness_answer import ReadinessAnswer
+from service.api.schemas.requests.bulk import BulkAnswer, DeletionAnswer
+from service.api.schemas.requests.sweep_request import SweepRequest
 from service.api.schemas.rollout_answer import RolloutAnswer
 from service.api.schemas.run_answer import AttemptAnswer, ListedRunAnswer, RunAnswer
 from service.api.schemas.score_table_answer import ScoreTableAnswer
 from service.api.schemas.statistics_answer import StatisticsAnswer
 from service.api.schemas.sweep_answer import DryRunAnswer, SweepAnswer, SweepHead
-from service.api.schemas.sweep_request import SweepRequest
 from service.model.move import Move
 from service.model.run import RunStatus
 from service.model.run_name import is_run

@@ -12,7 +12,7 @@ from typing import Literal, TypeVar
 import numpy as np
 
 from service.analysis.curves import Band, Curve, Floats, Series, aggregate
-from service.model.entry import Entries, Entry
+from service.model.request.entry import Entries, Entry
 from service.model.run import RunStatus, unfinished
 from service.model.run_curve import RETURNS, RunCurve
 from workers.messages.random_return import RandomReturn

@@ -20,29 +20,25 @@ from service.api.diagnoser import LIMIT_SECONDS, Diagnoser
 from service.api.event_feed import EventFeed
 from service.api.invalid_request import refuse_invalid
 from service.api.logs import AccessLog
-from service.api.problem_schema import describe_problems
-from service.api.problems import install_problem_handlers
+from service.api.refusals.problem_schema import describe_problems
+from service.api.refusals.problems import install_problem_handlers
 from service.api.routes import (
     catalogue,
-    curves,
-    diagnoses,
     documentation,
     events,
-    figures,
     growth,
     health,
-    measurements,
     moves,
     pages,
     policies,
     rollouts,
     runs,
-    scores,
     signin,
     submissions,
     sweeps,
     workers,
 )
+from service.api.routes.results import curves, diagnoses, figures, measurements, scores
 from service.api.security import Guard
 from service.api.side_process import SideProcess
 from service.settings import Settings

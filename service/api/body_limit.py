@@ -6,7 +6,7 @@ from starlette.datastructures import Headers
 from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from service.api.problems import problem_response
+from service.api.refusals.problems import problem_response
 
 MAX_BODY_BYTES = 2**20
 MAX_LENGTH_DIGITS = 20

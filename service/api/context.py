@@ -7,9 +7,9 @@ from fastapi import Depends, Request
 from fastapi import Path as PathParameter
 
 from service.api.event_feed import EventFeed
-from service.api.problems import NotFound, printable
+from service.api.refusals.problems import NotFound, printable
 from service.api.side_process import Side
-from service.model.entry import Entries
+from service.model.request.entry import Entries
 from service.model.run import Run
 from service.model.sweep import Sweep
 from service.store.store import Store

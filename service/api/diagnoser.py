@@ -12,7 +12,7 @@ import structlog
 
 from algorithms.diagnostics.finding import Finding
 from service.api.learned import Learned
-from service.api.problems import ImpossibleMove, ServiceBusy
+from service.api.refusals.problems import ImpossibleMove, ServiceBusy
 from service.api.side_process import Side
 from service.model.run import Run
 from service.store.store import Store

@@ -10,8 +10,8 @@ from fastapi_problem.handler import ExceptionHandler
 from pydantic import BaseModel
 from starlette.requests import Request
 
-from service.api.nearest import unknown_name
-from service.api.problems import Fault, InvalidRequest, faults_of, field_path
+from service.api.refusals.nearest import unknown_name
+from service.api.refusals.problems import Fault, InvalidRequest, faults_of, field_path
 
 Location = Sequence[str | int]
 

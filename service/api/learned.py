@@ -6,7 +6,7 @@ from fastapi import Depends
 
 from physics.task_file import TaskFile
 from service.api.context import TheCheckpoints, TheShelf, TheSide
-from service.api.problems import ImpossibleMove, ServiceBusy
+from service.api.refusals.problems import ImpossibleMove, ServiceBusy
 from service.api.side_process import BusyError, TooSlowError
 from service.model.environment import environment_facts
 from service.model.run import Run

@@ -21,7 +21,7 @@ from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.api.access_token import session_cookie
-from service.api.problems import problem_response
+from service.api.refusals.problems import problem_response
 from service.api.shell import address_of, problem_page, wants_page
 from service.settings import Settings
 

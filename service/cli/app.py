@@ -18,21 +18,21 @@ from rich.console import Console
 from service.cli import paper
 from service.cli.adding import add, extend
 from service.cli.asking import ask
-from service.cli.diagnosing import diagnose
-from service.cli.drawing import figure
 from service.cli.editing import edit, rm
-from service.cli.exporting import export, plot, table
 from service.cli.following import watch
 from service.cli.host import db, demo
 from service.cli.host.doctor import doctor
 from service.cli.host.serving import serve
 from service.cli.listing import ls, show
 from service.cli.moving import command_of
-from service.cli.policies import policy
-from service.cli.rolling import rollout
+from service.cli.results.diagnosing import diagnose
+from service.cli.results.drawing import figure
+from service.cli.results.exporting import export, plot, table
+from service.cli.results.policies import policy
+from service.cli.results.rolling import rollout
+from service.cli.results.verifying import verify
 from service.cli.submitting import submit
 from service.cli.terminal import AsJson, console, say
-from service.cli.verifying import verify
 from service.client import ServiceError, find_token
 from service.model.move import TRANSITIONS
 

@@ -13,7 +13,7 @@ from service.cli.following import follow
 from service.cli.submitting import say_notices
 from service.cli.terminal import AsJson, console, print_json, say
 from service.client import Client, SubmissionNotice
-from service.model.entry import Entries
+from service.model.request.entry import Entries
 
 YES, NO, UNDECIDED = 0, 1, 2
 

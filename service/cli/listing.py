@@ -20,7 +20,7 @@ from service.cli.identifiers import (
 )
 from service.cli.terminal import AsJson, console, print_json, print_table, say
 from service.client import Client
-from service.model.entry import setting_text
+from service.model.request.entry import setting_text
 from service.model.run_name import is_run
 
 LOG_LINES = 20

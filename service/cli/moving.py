@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import typer
 
-from service.api.schemas.bulk import BulkAnswer
+from service.api.schemas.requests.bulk import BulkAnswer
 from service.api.schemas.sweep_answer import SweepAnswer
 from service.cli.following import counts_text
 from service.cli.identifiers import Identifiers

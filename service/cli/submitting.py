@@ -16,7 +16,7 @@ from service.cli.identifiers import complete_algorithm, complete_environment
 from service.cli.sweep_file import read_request
 from service.cli.terminal import AsJson, console, print_json, print_table, say
 from service.client import Client, SubmissionNotice
-from service.model.entry import setting_text
+from service.model.request.entry import setting_text
 
 
 def submit(

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from service.analysis.statistics.scores import CellScores
-from service.model.entry import Entries, OfEntry
+from service.model.request.entry import Entries, OfEntry
 from service.model.run import RunStatus
 from service.model.run_curve import RunCurve
 from workers.messages.run_spec import RunSpec

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from fastapi import FastAPI
 
+from service.api.schemas.requests.sweep_request import SweepRequest
 from service.api.schemas.sweep_answer import SweepAnswer
-from service.api.schemas.sweep_request import SweepRequest
 from service.client import Client, ServiceError, SubmissionNotice
 from service.model.move import Move
 from service.store.store import Store

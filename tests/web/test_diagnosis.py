@@ -60,7 +60,7 @@ def test_a_sweep_shows_its_progress_and_a_task_at_a_time(
     """The test plays the diagnoser: the service's own waits for none that it was not told of."""
     signed_in.set_viewport_size({"width": width, "height": 720})
     signed_in.goto(f"{live.url}/sweeps/{sweep.id}")
-    runs = [each.run for each in live.store.list_diagnoses(sweep.id, 2, most_of_cell=2)]
+    runs = [each.run for each in live.store.list_diagnoses(sweep.id, most_of_cell=2)]
     expect(section(signed_in)).to_contain_text("what each of 8 runs has learned")
     live.store.ask_diagnoses(runs, 8)
     expect(section(signed_in)).to_contain_text("0 of 8 runs diagnosed …")

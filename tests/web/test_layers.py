@@ -12,8 +12,8 @@ from service.api.static_files import StaticFolder
 ROOT = Path(__file__).parents[2]
 STATIC = ROOT / "web" / "static"
 LAYERS = (
-    "pages > compare > diagnosis | run | submit | sweep > curves > charts | connection > parts "
-    "> texts"
+    "pages > compare > diagnosis | question | run | submit | sweep > curves > charts | connection "
+    "> parts > texts"
 )
 """A folder imports from those to the right of it; those in one layer know nothing of each other."""
 MOST_MODULES = 15

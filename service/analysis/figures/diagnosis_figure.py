@@ -27,7 +27,7 @@ from service.analysis.figures.plot import (
     legend_of,
     styles_of_entries,
 )
-from service.model.entry import Entry
+from service.model.request.entry import Entry
 
 COLUMN_INCHES = 2.5
 ROW_INCHES = 1.8

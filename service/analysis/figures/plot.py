@@ -33,7 +33,7 @@ from service.analysis.figures.figure_form import Form
 from service.analysis.figures.palette import colour, dash, shades
 from service.analysis.figures.picture import picture, printable
 from service.analysis.figures.y_scale import YScale, robust_range, y_scale
-from service.model.entry import Entry, setting_text
+from service.model.request.entry import Entry, setting_text
 from service.model.run_curve import RETURNS
 
 Style = Mapping[str, Any]

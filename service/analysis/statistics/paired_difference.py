@@ -21,7 +21,7 @@ from service.analysis.comparison import grouped, scale
 from service.analysis.curves import Floats
 from service.analysis.statistics.sample import Sample, sample
 from service.analysis.statistics.score import area
-from service.model.entry import Entries
+from service.model.request.entry import Entries
 from service.model.run import RunStatus
 from service.model.run_curve import RunCurve
 from workers.messages.random_return import RandomReturn

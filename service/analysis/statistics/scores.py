@@ -15,7 +15,7 @@ import numpy as np
 from service.analysis.comparison import grouped, scale
 from service.analysis.curves import Floats
 from service.analysis.statistics.score import SCORES, Score
-from service.model.entry import Entries
+from service.model.request.entry import Entries
 from service.model.run import RunStatus, unfinished
 from service.model.run_curve import RunCurve
 from workers.messages.random_return import RandomReturn

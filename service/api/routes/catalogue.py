@@ -10,15 +10,15 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 from algorithms import catalogue
 from algorithms.presets import Preset, preset
 from physics.audit.record import audited
-from service.api.schemas.run_answer import WeightsAnswer
-from service.api.schemas.sweep_request import (
+from service.api.schemas.requests.sweep_request import (
     MAX_LISTED,
     MAX_RUNS,
     MAX_SEED,
     MAX_TIMESTEPS,
     MAX_WEIGHT,
 )
-from service.api.schemas.texts import MAX_NAME
+from service.api.schemas.requests.texts import MAX_NAME
+from service.api.schemas.run_answer import WeightsAnswer
 from service.model.environment import EnvironmentFacts, known_environments
 from workers.messages.run_spec import Weights
 

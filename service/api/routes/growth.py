@@ -5,12 +5,12 @@ from http import HTTPStatus
 from fastapi import APIRouter
 
 from service.api.context import TheStore, TheSweep, TheWorkerMemory
-from service.api.problems import refusing
-from service.api.schemas.growth import GrowthRequest
+from service.api.refusals.problems import refusing
+from service.api.schemas.requests.growth import GrowthRequest
 from service.api.schemas.sweep_answer import SweepAnswer
 from service.api.submission.growth import check_seeds, check_timesteps, plan_entries
 from service.model.environment import environment_facts
-from service.model.growth import with_algorithms
+from service.model.request.growth import with_algorithms
 from service.model.sweep import Sweep
 from service.store.store import Store
 

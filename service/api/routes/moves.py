@@ -10,8 +10,8 @@ from http import HTTPStatus
 from fastapi import APIRouter
 
 from service.api.context import TheLabel, TheRun, TheStore, TheSweep
-from service.api.problems import refusing
-from service.api.schemas.bulk import (
+from service.api.refusals.problems import refusing
+from service.api.schemas.requests.bulk import (
     BulkAnswer,
     BulkRequest,
     DeletionAnswer,

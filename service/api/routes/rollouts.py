@@ -7,7 +7,7 @@ from fastapi import APIRouter, Query, Response
 
 from service.api.context import TheRun, TheStore, find_run
 from service.api.learned import Learned, TheLearned
-from service.api.problems import Fault, InvalidRequest
+from service.api.refusals.problems import Fault, InvalidRequest
 from service.api.schemas.rollout_answer import RolloutAnswer, RolloutQuery, RolloutRequest
 from service.model.run import Run
 from workers.policies.start_error import StartError

@@ -11,10 +11,10 @@ from pydantic import Field
 from service.api.context import TheCheckpoints, TheLabel, TheRun, TheStore, TheSweep
 from service.api.schemas.number import finite_or_none, numbers
 from service.api.schemas.page import Page, PageQuery, page_of, read_cursor
+from service.api.schemas.requests.texts import Name
 from service.api.schemas.run_answer import AttemptAnswer, ListedRunAnswer, RunAnswer
-from service.api.schemas.texts import Name
-from service.model.entry import Entries
 from service.model.environment import best_return
+from service.model.request.entry import Entries
 from service.model.run import RunStatus
 from service.model.sweep import Sweep
 from service.store.reading.run_order import By, RunOrder, Scales

@@ -8,9 +8,9 @@ from fastapi.responses import JSONResponse
 
 from service.analysis.cost import cell_costs
 from service.api.context import TheStore, TheWebhookHosts, TheWorkerMemory, TheWorkforce
-from service.api.problems import Fault, InvalidRequest
+from service.api.refusals.problems import Fault, InvalidRequest
+from service.api.schemas.requests.sweep_request import SweepRequest
 from service.api.schemas.sweep_answer import DryRunAnswer, SweepAnswer
-from service.api.schemas.sweep_request import SweepRequest
 from service.api.submission.plan import plan
 from service.api.submission.route import SubmissionRoute
 from service.api.submission.webhook import refuse_webhook

@@ -8,9 +8,9 @@ from pydantic import Field
 from service.api.context import TheStore, TheSweep, TheWebhookHosts
 from service.api.schemas.listed_sweep_answer import SPARKLINE_POINTS, ListedSweepAnswer
 from service.api.schemas.page import Page, PageQuery, page_of, read_cursor
+from service.api.schemas.requests.sweep_edit import OneTag, SweepEdit
+from service.api.schemas.requests.texts import MAX_NAME, Name, Text
 from service.api.schemas.sweep_answer import SweepAnswer
-from service.api.schemas.sweep_edit import OneTag, SweepEdit
-from service.api.schemas.texts import MAX_NAME, Name, Text
 from service.api.submission.webhook import refuse_webhook
 from service.model.environment import best_return
 from service.model.standing import best_of

@@ -9,8 +9,8 @@ from pydantic import BaseModel, ConfigDict, Field
 from service.analysis.comparison import grouped
 from service.api.context import TheStore, TheWorkforce
 from service.api.schemas.run_answer import as_time
-from service.model.entry import Entries
 from service.model.occupation import Training, WaitingRuns
+from service.model.request.entry import Entries
 
 router = APIRouter(tags=["health"])
 

@@ -15,7 +15,7 @@ from service.analysis.diagnosis import (
     remarks,
 )
 from service.api.schemas.number import finite_or_none
-from service.api.schemas.texts import Name
+from service.api.schemas.requests.texts import Name
 from service.model.diagnosis import Diagnosis
 from service.model.run import Run
 

@@ -8,8 +8,8 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 from service.analysis.comparison import Abscissa, Comparison
 from service.analysis.curves import Band
 from service.analysis.figures.design import COLUMN_INCHES, Design, FontFamily
-from service.api.problems import Fault
-from service.api.schemas.texts import Text
+from service.api.refusals.problems import Fault
+from service.api.schemas.requests.texts import Text
 from service.model.run_curve import RETURNS
 
 MAX_METRICS = 4

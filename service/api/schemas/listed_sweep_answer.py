@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from service.api.schemas.number import Numbers, numbers
 from service.api.schemas.sweep_answer import SweepHead, head_of
-from service.model.entry import Entries
+from service.model.request.entry import Entries
 from service.model.standing import Best
 from service.model.sweep import Sweep
 

@@ -7,7 +7,7 @@ from typing import Generic, TypeVar
 from fastapi import Request, Response
 from pydantic import BaseModel, ConfigDict, Field
 
-from service.api.problems import Fault, InvalidRequest
+from service.api.refusals.problems import Fault, InvalidRequest
 
 Item = TypeVar("Item", bound=BaseModel)
 DEFAULT_LIMIT = 100

@@ -5,8 +5,8 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from physics.drawing import Role
-from service.api.schemas.sweep_request import MAX_LISTED, MAX_SEED
-from service.api.schemas.texts import Name, Request
+from service.api.schemas.requests.sweep_request import MAX_LISTED, MAX_SEED
+from service.api.schemas.requests.texts import Name, Request
 
 Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]
 Row = list[float]

@@ -18,8 +18,8 @@ from service.analysis.cost import (
 from service.analysis.figures.paper_figure import PAPER
 from service.api.schemas.number import finite_or_none
 from service.api.schemas.run_answer import MOVES, WeightsAnswer, as_time
-from service.model.entry import Entries
-from service.model.plan import Plan
+from service.model.request.entry import Entries
+from service.model.request.plan import Plan
 from service.model.sweep import RunCounts, Sweep, SweepStatus
 
 NOTICES_TEXT = "What whoever submits should know; empty in any other answer."

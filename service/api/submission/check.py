@@ -7,12 +7,12 @@ from pydantic import ValidationError
 
 from algorithms import catalogue
 from algorithms.catalogue import Algorithm
-from service.api.nearest import unknown_name
-from service.api.problems import Fault, faults_of, printable
-from service.api.schemas.sweep_request import MAX_RUNS, AlgorithmRequest, SweepRequest
+from service.api.refusals.nearest import unknown_name
+from service.api.refusals.problems import Fault, faults_of, printable
+from service.api.schemas.requests.sweep_request import MAX_RUNS, AlgorithmRequest, SweepRequest
 from service.api.submission.grid_faults import repeated_values
-from service.model.entry import Entry, Json, entries_of, listed
 from service.model.environment import environment_facts, submittable_facts, without_defaults
+from service.model.request.entry import Entry, Json, entries_of, listed
 
 Value = TypeVar("Value")
 

@@ -4,8 +4,8 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from service.api.problems import Fault, printable
-from service.model.entry import Json, axes_of, listed
+from service.api.refusals.problems import Fault, printable
+from service.model.request.entry import Json, axes_of, listed
 
 
 def zip_faults(posted: Json) -> Iterator[Fault]:

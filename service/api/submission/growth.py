@@ -5,13 +5,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from algorithms import catalogue
-from service.api.problems import Fault, ImpossibleMove, InvalidRequest
-from service.api.schemas.sweep_request import MAX_RUNS, SweepRequest
+from service.api.refusals.problems import Fault, ImpossibleMove, InvalidRequest
+from service.api.schemas.requests.sweep_request import MAX_RUNS, SweepRequest
 from service.api.submission.memory import memory_faults
 from service.api.submission.plan import plan
-from service.model.entry import Entries, Json
-from service.model.growth import seeds_of, with_algorithms
-from service.model.plan import Plan
+from service.model.request.entry import Entries, Json
+from service.model.request.growth import seeds_of, with_algorithms
+from service.model.request.plan import Plan
 from service.model.sweep import Sweep
 from service.store.claiming.growth import Cell
 

@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
-from service.api.problems import Fault
-from service.model.entry import Entry
+from service.api.refusals.problems import Fault
+from service.model.request.entry import Entry
 from service.queue.worker_memory import memory_of
 from workers.messages.run_spec import RunSpec
 

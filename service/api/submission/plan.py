@@ -4,16 +4,16 @@ from collections.abc import Sequence
 
 from algorithms.measurement import MEASURE_EVERY
 from algorithms.presets import completed, preset
-from service.api.problems import Fault, InvalidRequest
-from service.api.schemas.sweep_request import SweepRequest
+from service.api.refusals.problems import Fault, InvalidRequest
+from service.api.schemas.requests.sweep_request import SweepRequest
 from service.api.submission.check import cap_faults, label_faults, name_faults, product_faults
 from service.api.submission.grid_faults import zip_faults
 from service.api.submission.memory import memory_faults
 from service.api.submission.question_faults import question_faults, question_notices
 from service.api.submission.same_curve import notices, repetition_faults
-from service.model.entry import Entries, Entry, Json
-from service.model.plan import Plan
 from service.model.question import Question
+from service.model.request.entry import Entries, Entry, Json
+from service.model.request.plan import Plan
 from workers.messages.run_spec import RunSpec, Weights
 
 

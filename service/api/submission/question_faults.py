@@ -5,11 +5,11 @@ from dataclasses import replace
 from itertools import product
 
 from service.analysis.question.forecast import MOST_PAIRS, fewest_to_equivalence
-from service.api.nearest import unknown_name
-from service.api.problems import Fault, printable
-from service.api.schemas.sweep_request import MAX_RUNS, MAX_SEED
-from service.model.entry import Entries
+from service.api.refusals.nearest import unknown_name
+from service.api.refusals.problems import Fault, printable
+from service.api.schemas.requests.sweep_request import MAX_RUNS, MAX_SEED
 from service.model.question import Question
+from service.model.request.entry import Entries
 
 SMALL_CLIP = 0.25
 MAX_LOOKS = 200

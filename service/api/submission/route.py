@@ -10,8 +10,8 @@ from fastapi.routing import APIRoute
 from pydantic import ValidationError
 
 from service.api.invalid_request import form_faults
-from service.api.problems import Fault, InvalidRequest
-from service.api.schemas.sweep_request import SweepRequest
+from service.api.refusals.problems import Fault, InvalidRequest
+from service.api.schemas.requests.sweep_request import SweepRequest
 from service.api.submission.plan import part_faults
 
 Body = dict[str, Any]

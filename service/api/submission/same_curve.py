@@ -10,8 +10,8 @@ from dataclasses import asdict, fields
 from typing import Any, NamedTuple
 
 from algorithms import catalogue
-from service.api.problems import Fault
-from service.model.entry import Entry, setting_text
+from service.api.refusals.problems import Fault
+from service.model.request.entry import Entry, setting_text
 from workers.messages.run_spec import NO_WEIGHTS, RunSpec, Weights
 
 Cells = Iterable[tuple[Entry, RunSpec]]

@@ -2,7 +2,7 @@
 
 from collections.abc import Collection
 
-from service.api.problems import Fault, InvalidRequest
+from service.api.refusals.problems import Fault, InvalidRequest
 from service.model.webhook import refusal
 
 

@@ -15,7 +15,7 @@ from service.store.claiming.claims import has_ended, held_rows, held_runs, of_at
 from service.store.claiming.retry import RetryPolicy
 from service.store.column_types import now
 from service.store.reading import events
-from service.store.reading.final_score import final_score
+from service.store.reading.measurements import final_score
 from service.store.tables import attempts, runs
 
 STOPPED = "cancelled while it was running"

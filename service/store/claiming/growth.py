@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from sqlalchemy import Connection, Row, delete, func, insert, select, update
 
 from algorithms.measurement import MEASURE_EVERY
-from service.model.growth import with_seeds, with_timesteps
+from service.model.request.growth import with_seeds, with_timesteps
 from service.model.run import RunStatus
 from service.model.sweep import Sweep, SweepStatus
 from service.store.claiming.moves import AGAIN, change

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import Column, Connection, Row, Select, false, func, or_, select
+from sqlalchemy import Column, Connection, Row, ScalarSelect, Select, case, false, func, or_, select
 
 from algorithms.measurement import Measurement
 from service.model.run import Run, RunStatus
@@ -261,3 +261,21 @@ def _curve(
 ) -> RunCurve:
     name, status = str(RunName(sweep_id, row.ordinal)), RunStatus(row.status)
     return noun_of(RunCurve, row, run_id=name, spec=spec_of(row), status=status, x=x, values=values)
+
+
+def final_score() -> ScalarSelect[Any]:
+    """Return, as SQL, what `service.analysis.statistics.score.final_score` says of a run.
+
+    The mean of return_mean in the last tenth of its timesteps, at least the last.
+
+    NULL, which is NaN, where a value in that window is not a number. It goes with rows of `runs`.
+    """
+    of_run = measurements.c.run_number == runs.c.number
+    last = select(func.max(measurements.c.timestep)).where(of_run).correlate(runs)
+    at_end = or_(
+        10 * measurements.c.timestep > 9 * runs.c.timesteps,
+        measurements.c.timestep == last.scalar_subquery(),
+    )
+    value = measurements.c.return_mean
+    mean = case((func.count() == func.count(value), func.avg(value)))
+    return select(mean).where(of_run, at_end).correlate(runs).scalar_subquery()

@@ -6,9 +6,9 @@ from typing import Any
 import physics
 from algorithms import catalogue
 from algorithms.presets import preset
-from service.api.schemas.sweep_request import SweepRequest
+from service.api.schemas.requests.sweep_request import SweepRequest
 from service.api.submission.plan import plan as plan_in
-from service.model.plan import Plan
+from service.model.request.plan import Plan
 from service.paper import tuning
 from service.paper.evaluation import COMPARISON, MORE_TASKS, SEEDS, SOFT, TASKS, evaluation, row
 

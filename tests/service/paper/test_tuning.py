@@ -10,11 +10,11 @@ import pytest
 from algorithms import catalogue
 from algorithms.presets import completed, form, preset
 from service.api.schemas.curves_answer import CurveAnswer, CurvesAnswer, PanelAnswer
+from service.api.schemas.requests.sweep_request import SweepRequest
 from service.api.schemas.run_answer import WeightsAnswer
-from service.api.schemas.sweep_request import SweepRequest
 from service.api.submission.plan import plan as plan_in
 from service.cli.paper import read_tuning
-from service.model.plan import Plan
+from service.model.request.plan import Plan
 from service.paper import tuning
 from service.paper.tuning import Outcome, best
 from workers.messages.run_spec import Weights

@@ -12,7 +12,7 @@ from workers.policies.diagnosis import diagnosis
 
 
 def test_nothing_learned_is_none(place: Place) -> None:
-    assert diagnosis(place, RUN, RunSpec("ddpg", "MassPoint", 0)) is None
+    assert diagnosis(place, RUN, RunSpec("ddpg", "MassPoint", 0), None) is None
 
 
 def test_it_is_that_of_the_snapshot_with_the_run_s_discount_and_seed(place: Place) -> None:
@@ -20,7 +20,7 @@ def test_it_is_that_of_the_snapshot_with_the_run_s_discount_and_seed(place: Plac
     spec = RunSpec("ddpg", "MassPoint", 3, config={"gamma": 0.9})
     snapshot = learnt(physics.make("MassPoint"))
     expected = algorithms.diagnose("MassPoint", snapshot, 0.9, seed=3)
-    assert repr(diagnosis(place, RUN, spec)) == repr(expected), "as text, where NaN is NaN"
+    assert repr(diagnosis(place, RUN, spec, None)) == repr(expected), "as text, where NaN is NaN"
 
 
 def test_of_an_algorithm_without_a_critic_there_are_findings_too(place: Place) -> None:
@@ -28,6 +28,6 @@ def test_of_an_algorithm_without_a_critic_there_are_findings_too(place: Place) -
     snapshot = learnt(physics.make("MassPoint"))._replace(critic=None)
     packed = sealed_file.packed(snapshot.arrays())
     sealed_file.write(folder_in(place, RUN), POLICY, packed)
-    found = diagnosis(place, RUN, RunSpec("gd", "MassPoint", 0))
+    found = diagnosis(place, RUN, RunSpec("gd", "MassPoint", 0), None)
     assert found is not None
     assert {each.diagnostic for each in found} == {"smoothing", "growth", "kinks"}

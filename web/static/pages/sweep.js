@@ -12,6 +12,7 @@ import { Controls } from "../parts/controls.js";
 import { at, setText } from "../parts/element.js";
 import { COMPARISON_FIELDS, flag, oneOf, text, View } from "../parts/view.js";
 import { DoneNotice } from "../sweep/done_notice.js";
+import { Verdict } from "../question/verdict.js";
 import { FigureBuilder } from "../sweep/figure_builder.js";
 import { FIGURE_FIELDS } from "../sweep/figure_query.js";
 import { SweepHead } from "../sweep/head.js";
@@ -19,7 +20,6 @@ import { PaperFigures } from "../sweep/paper_figures.js";
 import { ScoreTable } from "../sweep/scores.js";
 import { MAP_FIELDS, SettingsMaps } from "../sweep/settings_maps.js";
 import { Statistics } from "../sweep/statistics.js";
-import { Verdict } from "../sweep/verdict.js";
 
 const id = at("sweep").dataset.sweep ?? "";
 

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from algorithms.diagnostics.medians import medians
 from service.analysis.diagnosis import FIGURES, DiagnosedCell, FigureName
 from service.analysis.figures import diagnosis_figure
-from service.model.entry import Entries, Entry
+from service.model.request.entry import Entries, Entry
 from tests.service.found import HORIZONS, findings
 
 EVERYONE: Sequence[Entry] = Entries(

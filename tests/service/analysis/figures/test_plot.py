@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from service.analysis.comparison import Comparison, View, compare
 from service.analysis.figures.palette import BLUE, colour
 from service.analysis.figures.plot import draw_panel, styles_of
-from service.model.entry import Entries
+from service.model.request.entry import Entries
 from tests.service.scored import run_curve
 from workers.messages.random_return import RandomReturn
 

@@ -7,8 +7,8 @@ import pytest
 from fastapi import FastAPI
 from starlette.testclient import TestClient
 
-from service.api.schemas.sweep_request import MAX_RUNS, MAX_SEED, MAX_TIMESTEPS
-from service.api.schemas.texts import MAX_NAME
+from service.api.schemas.requests.sweep_request import MAX_RUNS, MAX_SEED, MAX_TIMESTEPS
+from service.api.schemas.requests.texts import MAX_NAME
 from tests.service.conftest import SWEEP, algorithm, changed
 
 Json = dict[str, Any]

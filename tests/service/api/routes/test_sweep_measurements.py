@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from starlette.testclient import TestClient
 
-from service.api.routes import measurements
+from service.api.routes.results import measurements
 from service.store.store import Store
 from tests.service.conftest import changed
 from tests.service.training import measured, rising, train

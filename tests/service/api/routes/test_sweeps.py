@@ -7,8 +7,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from starlette.testclient import TestClient
 
-from service.api.schemas.sweep_request import MAX_SEED
-from service.api.schemas.texts import MAX_NAME
+from service.api.schemas.requests.sweep_request import MAX_SEED
+from service.api.schemas.requests.texts import MAX_NAME
 from service.store.store import Store
 from tests.service.conftest import SWEEP, FakeDispatcher, algorithm, changed
 from tests.service.training import train

@@ -6,7 +6,7 @@ from typing import Any
 
 from sqlalchemy import inspect, select
 
-from service.model.entry import Entries
+from service.model.request.entry import Entries
 from service.store.connection import connect
 from service.store.store import Store
 from service.store.tables import metadata, runs

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from service.model.entry import Entries, entries_of, setting_text
+from service.model.request.entry import Entries, entries_of, setting_text
 from workers.messages.run_spec import Weights
 
 

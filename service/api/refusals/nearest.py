@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from difflib import get_close_matches
 
-from service.api.problems import Fault, printable
+from service.api.refusals.problems import Fault, printable
 
 MIN_SIMILARITY = 0.5
 

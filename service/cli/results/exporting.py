@@ -16,8 +16,8 @@ from service.analysis.statistics.score import Score
 from service.api.schemas.measurements_answer import SPEC_COLUMNS
 from service.api.schemas.run_answer import RunAnswer
 from service.api.schemas.score_table_answer import StandingAnswer, inert
-from service.cli.drawing import form_of
 from service.cli.identifiers import Identifier, SweepId
+from service.cli.results.drawing import form_of
 from service.cli.terminal import AsJson, print_json, print_table, say, write_out
 from service.client import Client, TableText
 from service.model.run_name import is_run

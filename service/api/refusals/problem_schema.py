@@ -5,7 +5,7 @@ from typing import Any
 from fastapi import FastAPI
 from pydantic import BaseModel, ConfigDict, Field
 
-from service.api.problems import MEDIA_TYPE
+from service.api.refusals.problems import MEDIA_TYPE
 
 REFERENCE = "#/components/schemas/{model}"
 FRAMEWORK_SCHEMAS = ("HTTPValidationError", "ValidationError")

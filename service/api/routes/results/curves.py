@@ -16,14 +16,14 @@ from service.analysis.comparison import (
 )
 from service.analysis.curves import Band
 from service.api.context import TheStore, TheSweep
-from service.api.nearest import unknown_name
-from service.api.problems import Fault, InvalidRequest
+from service.api.refusals.nearest import unknown_name
+from service.api.refusals.problems import Fault, InvalidRequest
 from service.api.revalidation import RevalidatedRoute
 from service.api.schemas.curves_answer import CurvesAnswer, curves_json
-from service.api.schemas.sweep_request import MAX_RUNS
-from service.api.schemas.texts import Text
-from service.model.entry import Entries
+from service.api.schemas.requests.sweep_request import MAX_RUNS
+from service.api.schemas.requests.texts import Text
 from service.model.environment import best_return
+from service.model.request.entry import Entries
 from service.model.run_curve import RETURNS
 from service.model.sweep import Sweep
 from service.store.store import Store

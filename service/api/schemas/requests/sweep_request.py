@@ -17,7 +17,7 @@ from pydantic import (
 from algorithms.presets import SMALLEST_WEIGHT
 from physics.parameter import label, relabelled
 from service.api.schemas.question.question_request import QuestionRequest
-from service.api.schemas.sweep_edit import (
+from service.api.schemas.requests.sweep_edit import (
     MAX_WORKERS_TEXT,
     NAME_TEXT,
     NOTES_TEXT,
@@ -30,7 +30,7 @@ from service.api.schemas.sweep_edit import (
     Tags,
     WebhookURL,
 )
-from service.api.schemas.texts import Name, Request, label_text, storable
+from service.api.schemas.requests.texts import Name, Request, label_text, storable
 
 MAX_RUNS = 20_000
 MAX_LISTED = 100

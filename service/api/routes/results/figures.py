@@ -14,9 +14,15 @@ from service.analysis.figures.figure_data import figure_data
 from service.analysis.figures.figure_form import MEDIA_TYPES, Form
 from service.analysis.figures.paper_figure import MAX_CURVES, PAPER, FigureNumber
 from service.api.context import TheCheckpoints, TheSide, TheStore, TheSweep
-from service.api.problems import Fault, ImpossibleMove, InvalidRequest, NotFound, ServiceBusy
+from service.api.refusals.problems import (
+    Fault,
+    ImpossibleMove,
+    InvalidRequest,
+    NotFound,
+    ServiceBusy,
+)
 from service.api.revalidation import RevalidatedRoute
-from service.api.routes.curves import BandQuery, compared
+from service.api.routes.results.curves import BandQuery, compared
 from service.api.schemas.figure_query import FigureQuery
 from service.api.side_process import BusyError, Side, TooSlowError
 from service.model.sweep import Sweep

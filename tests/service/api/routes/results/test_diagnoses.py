@@ -8,12 +8,12 @@ import pytest
 from fastapi import FastAPI
 from starlette.testclient import TestClient
 
-from service.api.routes import diagnoses
+from service.api.routes.results import diagnoses
 from service.api.schemas.diagnosis_answer import DiagnosisAnswer
 from service.api.side_process import BusyError
 from service.settings import Settings
 from service.store.store import Store
-from tests.service.api.routes.test_figures import texts
+from tests.service.api.routes.results.test_figures import texts
 from tests.service.conftest import changed
 from tests.service.found import find
 from tests.service.training import rising, train

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any, Protocol
 
-from service.model.grid import expand, size
+from service.model.request.grid import expand, size
 from workers.messages.run_spec import Weights
 
 Json = Mapping[str, Any]

@@ -4,8 +4,8 @@ from typing import Annotated
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
-from service.api.schemas.sweep_edit import distinct
-from service.api.schemas.texts import Name, Request
+from service.api.schemas.requests.sweep_edit import distinct
+from service.api.schemas.requests.texts import Name, Request
 from service.store.claiming.bulk import BulkMove
 
 MAX_MOVED = 1000

@@ -2,7 +2,7 @@
 
 import pytest
 
-from service.model.grid import expand, size
+from service.model.request.grid import expand, size
 
 
 def test_every_combination_the_last_axis_fastest() -> None:

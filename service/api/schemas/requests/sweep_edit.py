@@ -4,7 +4,7 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, ConfigDict, Field
 
-from service.api.schemas.texts import Name, Request, Text, label_text
+from service.api.schemas.requests.texts import Name, Request, Text, label_text
 from service.model.webhook import MAX_URL, webhook_url
 
 MAX_NOTES = 20_000

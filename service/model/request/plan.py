@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from service.model.entry import Entry
 from service.model.environment import environment_facts
+from service.model.request.entry import Entry
 from workers.messages.run_spec import RunSpec
 
 

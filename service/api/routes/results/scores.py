@@ -15,17 +15,17 @@ from service.analysis.statistics.score_table_text import latex, markdown
 from service.analysis.statistics.scores import CellScores, sweep_scores
 from service.analysis.statistics.sweep_statistics import sweep_statistics
 from service.api.context import TheStore, TheSweep
-from service.api.nearest import unknown_name
 from service.api.negotiation import asked_form
-from service.api.problems import Fault, InvalidRequest, NotFound
+from service.api.refusals.nearest import unknown_name
+from service.api.refusals.problems import Fault, InvalidRequest, NotFound
 from service.api.revalidation import RevalidatedRoute
 from service.api.schemas.question.verdict_answer import VerdictAnswer
+from service.api.schemas.requests.texts import Text
 from service.api.schemas.score_table_answer import ScoreTableAnswer, score_table_csv
 from service.api.schemas.statistics_answer import StatisticsAnswer
-from service.api.schemas.texts import Text
-from service.model.entry import Entries
 from service.model.environment import best_return
 from service.model.question import Question
+from service.model.request.entry import Entries
 from service.model.sweep import Sweep
 from service.queue.question_rounds import pairs_of
 from service.store.store import Store

@@ -4,14 +4,14 @@ from typing import Annotated, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
-from service.api.schemas.sweep_request import (
+from service.api.schemas.requests.sweep_request import (
     MAX_RUNS,
     MAX_TIMESTEPS,
     AlgorithmRequest,
     Listed,
     Seed,
 )
-from service.api.schemas.texts import Request
+from service.api.schemas.requests.texts import Request
 
 
 class GrowthRequest(Request):

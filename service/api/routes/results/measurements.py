@@ -16,7 +16,7 @@ from service.api.schemas.measurements_answer import (
     sweep_lines,
     table,
 )
-from service.model.entry import Entries
+from service.model.request.entry import Entries
 from service.model.run_name import RunName
 from service.model.sweep import Sweep
 from service.store.store import Store

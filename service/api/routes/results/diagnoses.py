@@ -18,13 +18,19 @@ from service.api.context import (
 )
 from service.api.diagnoser import Diagnoser
 from service.api.learned import Learned, TheLearned
-from service.api.nearest import unknown_name
-from service.api.problems import Fault, ImpossibleMove, InvalidRequest, NotFound, ServiceBusy
+from service.api.refusals.nearest import unknown_name
+from service.api.refusals.problems import (
+    Fault,
+    ImpossibleMove,
+    InvalidRequest,
+    NotFound,
+    ServiceBusy,
+)
 from service.api.revalidation import RevalidatedRoute
 from service.api.schemas.diagnosis_answer import CellsQuery, DiagnosisAnswer
 from service.api.side_process import BusyError, Side, TooSlowError
 from service.model.diagnosis import Diagnosis
-from service.model.entry import Entries, Entry
+from service.model.request.entry import Entries, Entry
 from service.model.run import Run
 from service.model.sweep import Sweep
 from service.store.refusal import TooManyAskedError

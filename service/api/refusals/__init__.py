@@ -1,0 +1,1 @@
+"""What the API says no with, as problems (RFC 9457) and sentences."""

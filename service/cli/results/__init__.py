@@ -1,0 +1,1 @@
+"""The commands that show, draw and check what was measured."""
