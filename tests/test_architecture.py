@@ -39,7 +39,7 @@ def defined(body: Sequence[ast.stmt], name: str) -> bool:
 
 def test_the_path_goes_to_the_learner_and_back_to_the_page() -> None:
     modules = [module for module, _, _ in stops()]
-    assert modules[0] == "service.api.routes.sweeps"
+    assert modules[0] == "service.api.routes.submissions"
     assert "algorithms.training" in modules
     assert modules[-1] == "service.analysis.comparison"
     assert len(modules) <= MOST_STOPS

@@ -14,7 +14,12 @@ from service.analysis.curves import Floats
 
 
 def holm(p: Sequence[float], tests: int) -> Floats:
-    """Return the corrected p-values [k], of k of so many tests; the p of the others count as 1."""
+    """Return the corrected p-values [k], of k of so many tests; the p of the others count as 1.
+
+    Args:
+        p: of the tests that have one.
+        tests: m, all of them; at least k.
+    """
     order = np.argsort(p, kind="stable")
     factors = tests - np.arange(len(order))
     corrected = np.empty(len(order))
