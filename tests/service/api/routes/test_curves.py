@@ -153,7 +153,7 @@ def test_a_running_sweep_counts_who_got_there(client: TestClient, store: Store) 
         ("x=epochs", "x", "timesteps"),
         ("max_points=1", "max_points", "2"),
         ("max_points=1e9", "max_points", "integer"),
-        ("nomalized=false", "nomalized", "not permitted"),
+        ("nomalized=false", "nomalized", "is not known"),
     ],
 )
 def test_a_wrong_view_is_refused(

@@ -137,10 +137,10 @@ def test_nothing_finished_nothing_finite(client: TestClient, store: Store) -> No
     ("query", "field", "says"),
     [
         ("score=critic_loss", "score", "return_history"),
-        ("metric=return_mean", "metric", "not permitted"),
+        ("metric=return_mean", "metric", "is not known"),
         ("format=xlsx", "format", "latex"),
         ("normalized=perhaps", "normalized", "boolean"),
-        ("band=std", "band", "not permitted"),
+        ("band=std", "band", "is not known"),
     ],
 )
 def test_a_wrong_question_is_refused(
