@@ -112,7 +112,7 @@ def ask_for(case: AnyCase, sweep: str) -> None:
     case.path_parameters |= {key: existing[key] for key in existing.keys() & case.path_parameters}
     body: Any = case.body
     if case.meta and case.meta.generation.mode.is_positive and isinstance(body, dict):
-        for algorithm in body.get("algorithms", []):
+        for algorithm in body.get("algorithms") or []:
             algorithm |= {"name": "hybrid-ddpg", "config": {}}
         replaced = {"environments": ["Pendulum"], "run": existing["run_id"]}
         body |= {key: replaced[key] for key in replaced.keys() & body.keys()}

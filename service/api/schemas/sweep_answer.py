@@ -262,8 +262,8 @@ class SweepAnswer(SweepHead):
                     "webhook": None,
                     "request": {"name": "weights on Pendulum", "seeds": 16},
                     "entries": [
-                        {"label": "ddpg", "algorithm": "ddpg"},
-                        {"label": "hybrid-ddpg", "algorithm": "hybrid-ddpg"},
+                        {"label": "ddpg", "algorithm": "ddpg", "stated": {}},
+                        {"label": "hybrid-ddpg", "algorithm": "hybrid-ddpg", "stated": {}},
                     ],
                     "notices": [NOTICE],
                     "links": {"self": "/api/v1/sweeps/3f9a0c51b7de"},
