@@ -57,7 +57,7 @@ def wired(settings: Settings) -> Iterator[FastAPI]:
             )
             app = create_app(settings, store, dispatcher, shelf)
             chores = (
-                CheckpointRemoval(store, settings.checkpoint_place, settings.keep_checkpoints),
+                CheckpointRemoval(store, settings.checkpoint_place, settings.keep_last),
                 Webhooks(
                     store,
                     partial(webhook_secret, settings),

@@ -71,7 +71,7 @@ class Settings(BaseSettings):
         ge=LEAST_BYTES,
         description="What the runs of one worker may fill, such as 6GB",
     )
-    keep_checkpoints: ByteSize = Field(
+    keep_last: ByteSize = Field(
         default=ByteSize(2 * 10**9),
         ge=0,
         description="What the last checkpoints of runs that ended may fill, such as 2GB; 0: none",

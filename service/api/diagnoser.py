@@ -91,7 +91,7 @@ class Diagnoser:
         try:
             found = self._learned.call("workers.policies.diagnosis:diagnosis", run)
         except (ImpossibleMove, ServiceBusy) as refusal:
-            raise UndiagnosedError(str(refusal)) from refusal
+            raise UndiagnosedError(str(refusal.detail)) from refusal
         except Exception as error:
             log.warning("a diagnosis failed", run_id=run.id, exc_info=error)
             reason = f"The diagnosis of run {run.id} could not go on: {error}"

@@ -43,7 +43,11 @@ class Learned:
             ) from trouble
         except DamagedError as damage:
             raise ImpossibleMove(f"What run {run.id} learned cannot be read: {damage}.") from damage
-        except (BusyError, TooSlowError, EOFError) as error:
+        except EOFError as death:
+            raise ServiceBusy(
+                f"What run {run.id} learned cannot be used now: the process that did so died."
+            ) from death
+        except (BusyError, TooSlowError) as error:
             raise ServiceBusy(f"The policy of run {run.id} cannot be had now: {error}.") from error
         if answer is None:
             raise ImpossibleMove(_no_policy(run))

@@ -35,7 +35,7 @@ class CheckpointRemoval(Rounds):
         kept = [run_id for run_id, is_whole in ended.items() if is_whole and self._keep_bytes]
         if kept:
             sizes = {run_id: size_of_checkpoints(self._place, run_id) for run_id in kept}
-            self._store.keep_checkpoints(sizes)
+            self._store.keep_last(sizes)
         self._remove([run_id for run_id in ended if run_id not in kept])
         beyond = self._store.checkpoints_beyond(self._keep_bytes, AT_ONCE)
         self._remove(beyond)

@@ -190,7 +190,7 @@ class Store:
     fail = _writes(endings.fail)
     release = _writes(endings.release)
     ended_with_checkpoints = _reads(checkpoints.of_ended)
-    keep_checkpoints = _writes(checkpoints.keep)
+    keep_last = _writes(checkpoints.keep)
     checkpoints_beyond = _reads(checkpoints.kept_beyond)
     forget_checkpoints = _writes(checkpoints.forget)
 

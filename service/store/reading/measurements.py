@@ -14,7 +14,7 @@ from service.model.run_curve import RETURNS, RunCurve
 from service.model.run_name import RunName
 from service.store.reading import diagnostics
 from service.store.reading.rows import noun_of
-from service.store.reading.runs import named, run_of, spec_of
+from service.store.reading.runs import named, run_of, select_runs, spec_of
 from service.store.tables import measurements, runs, sweeps
 from service.store.upkeep.copy_in import copy_in
 
@@ -132,8 +132,7 @@ def of_runs(
 ) -> list[tuple[Run, list[Measurement]]]:
     """Return some runs of a sweep with all that they measured, from the ordinal after one on."""
     query = (
-        select(runs, sweeps.c.id.label("sweep_id"))
-        .join(sweeps, sweeps.c.number == runs.c.sweep_number)
+        select_runs()
         .where(sweeps.c.id == sweep_id, runs.c.ordinal > after)
         .order_by(runs.c.ordinal)
         .limit(limit)

@@ -63,8 +63,8 @@ def test_what_waits_is_made_in_its_order(store: Store, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("error", "sentence"),
     [
-        (TooSlowError("it took longer than 300 s"), "was ended: it took longer than 300 s."),
-        (EOFError(), "The process that diagnosed run RUN died."),
+        (TooSlowError("it took longer than 300 s"), "cannot be had now: it took longer than 300 s."),
+        (EOFError(), "cannot be used now: the process that did so died."),
         (DamagedError("its digest differs"), "What run RUN learned cannot be read: its digest"),
         (UnavailableError(5, "the disk is gone"), "cannot be read now: the disk is gone."),
         (ArithmeticError("no step at [0, 1]"), "could not go on: no step at [0, 1]"),

@@ -30,7 +30,7 @@ def test_the_same_data_give_the_same_bytes() -> None:
 
 def test_every_learner_is_named_and_tells_how_many_tasks_it_has() -> None:
     text = draw(FOUND, "svg").decode()
-    told = re.findall(r"<!-- (.*?) -->", text)
+    told = re.findall(r"<text[^>]*>(.*?)</text>", text)
     for label in ("ddpg", "sac", "sac with learned temperature", "mpc (1 of 2 tasks)"):
         assert label in told
 
