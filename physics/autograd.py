@@ -65,8 +65,8 @@ def torch_step(
                 f"{what} must be a floating-point tensor on the CPU, "
                 f"not {tensor.dtype} on {tensor.device}"
             )
-    if parameters:
-        found = _parametric_step(environment, states, actions, parameters)
+    if len(parameters) > 0:  # a compiler takes any mapping proxy to be true
+        found = _uncompiled_parametric_step(environment, states, actions, parameters)
     else:
         found = _uncompiled_step(environment, states.to(torch.float64), actions.to(torch.float64))
     next_state, reward, terminated = found
@@ -96,6 +96,10 @@ def _parametric_step(
     vector = torch.stack([values.get(name, others[i]) for name, i in place.items()])
     found: Tensors = _ParametricStep.apply(task, vector, *rows)  # type: ignore[no-untyped-call]
     return found
+
+
+# A compiler would trace numpy and numba within.
+_uncompiled_parametric_step: Any = torch.compiler.disable(_parametric_step)  # type: ignore[no-untyped-call]
 
 
 class _OfRows(torch.autograd.Function):

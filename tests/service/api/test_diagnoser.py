@@ -63,7 +63,10 @@ def test_what_waits_is_made_in_its_order(store: Store, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("error", "sentence"),
     [
-        (TooSlowError("it took longer than 300 s"), "cannot be had now: it took longer than 300 s."),
+        (
+            TooSlowError("it took longer than 300 s"),
+            "cannot be had now: it took longer than 300 s.",
+        ),
         (EOFError(), "cannot be used now: the process that did so died."),
         (DamagedError("its digest differs"), "What run RUN learned cannot be read: its digest"),
         (UnavailableError(5, "the disk is gone"), "cannot be read now: the disk is gone."),
