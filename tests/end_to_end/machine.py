@@ -17,7 +17,7 @@ from pathlib import Path
 
 from tests.workers.processes import processes_with
 
-MARK = "D3PG_TEST_MACHINE"
+MARK = "TESTED_MACHINE"
 END_SECONDS = 60.0
 AS_A_CONTAINER = ("unshare", "--pid", "--uts", "--fork", "--kill-child", "--mount-proc")
 INIT = 'hostname "$0" && { "$@" & wait $!; }'  # a shell, so that orphans are reaped

@@ -19,6 +19,8 @@ ROOT = Path(__file__).resolve().parents[2]
 START_SECONDS = 60.0
 READY_SECONDS = 90.0
 STOP_SECONDS = 20.0
+FAMILY = "TESTED_SERVICE"
+"""A variable that every process of a service inherits; Ray's have none of the service's own."""
 PORTS = range(20_000, 32_768)  # below those that Linux gives away by itself, to Ray above all
 
 
@@ -46,6 +48,7 @@ class RunningService:
             "D3PG_PORT": str(self.port),
             "D3PG_URL": self.url,
             "D3PG_WORKERS": "2",
+            FAMILY: str(data_dir),
             "PYTHONPATH": str(ROOT),
             "NO_COLOR": "1",
         }
@@ -128,7 +131,7 @@ class RunningService:
 
     def family(self) -> set[int]:
         """The server and all that it or an earlier one has started, whoever their parents are."""
-        return processes_with(f"D3PG_DATA_DIR={self.data_dir}\0")
+        return processes_with(f"{FAMILY}={self.data_dir}\0")
 
     def kill(self) -> None:
         """End the server as a power cut would: SIGKILL, and wait for its end."""
