@@ -2,12 +2,12 @@
 # command of a kind adds its set-up: a minute or two for .venv, one for what the tests need.
 #
 #   make demo        start the service, a local Ray and a small sweep; Ctrl-C stops it   1 min
-#   make test        every check and every test: check, fast, cluster, browser           11 min
+#   make test        every check and every test: check, fast, cluster, browser           14 min
 #
 #   make check       format, lint, types, import contracts: 8 s; 60 s without caches
-#   make fast        the tests that need neither Ray nor a browser                       6 min
+#   make fast        the tests that need neither Ray nor a browser                       8 min
 #   make cluster     the tests with a real local Ray                                     2 min
-#   make browser     the tests in a real Chromium                                        2 min
+#   make browser     the tests in a real Chromium                                        4 min
 #   make test-slow   the tests that learn whole curves and kill whole clusters           an hour
 #
 #   make docs        build the documentation and serve it at http://127.0.0.1:8001       10 s
