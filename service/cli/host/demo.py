@@ -17,8 +17,8 @@ from service.client import Client, has_ended
 
 DEMO_SWEEP: dict[str, Any] = {
     "name": "demo",
-    "algorithms": [{"name": "ddpg"}, {"name": "hybrid-ddpg"}],
-    "environments": ["MassPoint", "Pendulum"],
+    "algorithms": [{"name": "ddpg"}, {"name": "hybrid-ddpg-robust"}],
+    "environments": ["CartPole", "Pendulum"],
     "seeds": 4,
     "timesteps": 20_000,
 }
