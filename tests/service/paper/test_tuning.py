@@ -68,10 +68,13 @@ def test_what_is_known_is_not_run_again() -> None:
 
 @pytest.mark.parametrize("name", [*tuning.SPACES, *tuning.PAIRS])
 def test_the_presets_are_what_the_recorded_search_found_best(name: str) -> None:
-    """Of each task on which the search of this learner is whole."""
+    """Of each learner whose search is whole on all its tasks; until then its presets stay."""
     rows = read_tuning(RESULTS)
     algorithm = name if name in tuning.PAIRS else tuning.SPACES[name].algorithm
-    for task in (task for task in tuning.TIMESTEPS if tuning.is_whole(rows, task, name)):
+    tasks = list(tuning.TIMESTEPS) if name in tuning.PAIRS else tuning.SPACES[name].tasks()
+    if not all(tuning.is_whole(rows, task, name) for task in tasks):
+        pytest.skip("its search has not come to an end yet")
+    for task in tasks:
         chosen, reached = preset(algorithm, task), best(rows, task, name)
         assert chosen.weights == reached.weights
         stated = form(algorithm, reached.config)
