@@ -92,6 +92,15 @@ class TaskFile:
         return path
 
 
+def reference(environment: str, file: TaskFile | None) -> str:
+    """What `physics.make` takes for an environment, which is of a file where there is one.
+
+    Raises:
+        ValueError: as `TaskFile.reference`.
+    """
+    return environment if file is None else file.reference(environment)
+
+
 def _cache() -> Path:
     """The folder for the files that come with a run; of this process where the user's is shut."""
     home = Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser()

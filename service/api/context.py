@@ -34,10 +34,10 @@ class Workforce(Protocol):
 def held(name: str) -> Any:
     """Return the dependency on what the application holds under a name."""
 
-    def held(request: Request) -> Any:
+    def of_application(request: Request) -> Any:
         return getattr(request.app.state, name)
 
-    return Depends(held)
+    return Depends(of_application)
 
 
 TheCheckpoints = Annotated[Place, held("checkpoints")]

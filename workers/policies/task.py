@@ -2,10 +2,10 @@
 
 import physics
 from physics.environment import Environment
-from physics.task_file import TaskFile
+from physics.task_file import TaskFile, reference
 from workers.messages.run_spec import RunSpec
 
 
 def task_of(spec: RunSpec, file: TaskFile | None) -> Environment:
     """The task that a run learned in. Raises ValueError where it cannot be made."""
-    return physics.make(file.reference(spec.environment) if file else spec.environment)
+    return physics.make(reference(spec.environment, file))

@@ -9,7 +9,7 @@ from functools import partial
 
 from algorithms.learner import Learner
 from algorithms.training import build
-from physics.task_file import TaskFile
+from physics.task_file import TaskFile, reference
 from workers.checkpoints.checkpoint import Checkpoints
 from workers.checkpoints.place import Place
 from workers.messages.assignment import Assignment
@@ -28,7 +28,7 @@ def learner_of_cohort(specs: Sequence[RunSpec], file: TaskFile | None = None) ->
     spec = specs[0]
     return build(
         spec.algorithm,
-        file.reference(spec.environment) if file else spec.environment,
+        reference(spec.environment, file),
         seeds=[spec.seed for spec in specs],
         weights=spec.weights,
         timesteps=spec.timesteps,

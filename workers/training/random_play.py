@@ -14,7 +14,7 @@ from scipy.special import stdtrit
 import physics
 from physics.environment import Environment
 from physics.randomness import generator
-from physics.task_file import TaskFile
+from physics.task_file import TaskFile, reference
 from workers.messages.random_return import RandomReturn
 
 EPISODES = 1000
@@ -31,7 +31,7 @@ def measure_random_return(
     """
     if episodes < 2:
         raise ValueError(f"an interval needs at least 2 episodes, got {episodes}")
-    task = physics.make(file.reference(environment) if file else environment)
+    task = physics.make(reference(environment, file))
     returns = random_returns(task, episodes)
     mean = float(returns.mean())
     error = float(returns.std(ddof=1)) / math.sqrt(episodes)
