@@ -44,6 +44,29 @@ def test_axe_finds_nothing(signed_in: Page, live: LiveService, scheme: str) -> N
     assert violations(signed_in) == []
 
 
+def test_text_keeps_its_contrast_while_curves_are_asked_for(
+    signed_in: Page, live: LiveService
+) -> None:
+    sweep = live.add_sweep()
+    live.train(0, 9600)
+    signed_in.goto(f"{live.url}/sweeps/{sweep.id}")
+    expect(signed_in.locator("figure canvas")).to_have_count(2)
+    signed_in.route("**/curves?*", lambda route: None)  # It is never answered.
+    signed_in.get_by_label("Band").select_option("ci95")
+    expect(signed_in.locator("#curves")).to_have_attribute("aria-busy", "true")
+    assert violations(signed_in) == []
+
+
+def test_text_of_curves_that_are_left_out_keeps_its_contrast(
+    signed_in: Page, live: LiveService
+) -> None:
+    sweep = live.add_sweep()
+    live.train(0, 9600)
+    signed_in.goto(f"{live.url}/sweeps/{sweep.id}?top=1")
+    expect(signed_in.locator("#legend .left-out")).to_have_count(1)
+    assert violations(signed_in) == []
+
+
 @pytest.mark.parametrize("width", [1280, 400])
 def test_nothing_sticks_out(signed_in: Page, live: LiveService, width: int) -> None:
     sweep = live.add_sweep(
