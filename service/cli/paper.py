@@ -19,7 +19,7 @@ from service.cli.following import follow
 from service.cli.host.own_service import data_dir, own_service
 from service.cli.terminal import console, say
 from service.client import Client, ServiceError
-from service.paper import results, tuning
+from service.paper import preset_file, results, tuning
 from service.paper.evaluation import SEEDS, evaluation
 from service.paper.former import Former, former, whole_sweeps
 from service.paper.summary import summarized
@@ -114,6 +114,17 @@ def tune(output: Output = Path("results")) -> None:
             output,
         )
     say(f"{output / 'tuning.csv'} has {len(rows)} outcomes")
+
+
+@app.command()
+def presets(output: Output = Path("results")) -> None:
+    """Write algorithms/presets.toml from the folder's tuning.csv, which has to be whole."""
+    try:
+        text = preset_file.as_toml(preset_file.presets_of(read_tuning(output)))
+    except ValueError as reason:
+        raise typer.BadParameter(str(reason)) from None
+    preset_file.FILE.write_text(text, encoding="utf-8")
+    say(f"Wrote {preset_file.FILE}")
 
 
 def search(

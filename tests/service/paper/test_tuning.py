@@ -1,19 +1,16 @@
 """The tuning's definition: every sweep can be submitted, and the presets are read off it."""
 
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from algorithms import catalogue
-from algorithms.presets import completed, form, preset
 from service.api.schemas.curves_answer import CurveAnswer, CurvesAnswer, PanelAnswer
 from service.api.schemas.requests.sweep_request import SweepRequest
 from service.api.schemas.run_answer import WeightsAnswer
 from service.api.submission.plan import plan as plan_in
-from service.cli.paper import read_tuning
 from service.model.request.plan import Plan
 from service.paper import tuning
 from service.paper.tuning import Outcome, best
@@ -64,29 +61,6 @@ def test_what_is_known_is_not_run_again() -> None:
     assert wanted(3.0, everything) is None
     assert tuning.is_whole(everything, "Pendulum", "hybrid-sac")
     assert not tuning.is_whole(known, "Pendulum", "hybrid-sac")
-
-
-@pytest.mark.parametrize("name", [*tuning.SPACES, *tuning.PAIRS])
-def test_the_presets_are_what_the_recorded_search_found_best(name: str) -> None:
-    """Once the search has come to its end for every learner; until then all presets stay."""
-    rows = read_tuning(RESULTS)
-    tasks = {key: space.tasks() for key, space in tuning.SPACES.items()}
-    tasks |= {key: list(tuning.TIMESTEPS) for key in tuning.PAIRS}
-    if not all(tuning.is_whole(rows, task, key) for key in tasks for task in tasks[key]):
-        pytest.skip("the search has not come to its end yet")
-    algorithm = name if name in tuning.PAIRS else tuning.SPACES[name].algorithm
-    for task in tasks[name]:
-        chosen, reached = preset(algorithm, task), best(rows, task, name)
-        assert chosen.weights == reached.weights
-        stated = form(algorithm, reached.config)
-        settings = completed(algorithm, task, stated.stated if stated else {})
-        assert settings.items() >= without_defaults(algorithm, reached)
-
-
-def without_defaults(algorithm: str, reached: Outcome) -> Any:
-    """The settings of a cell that are not the algorithm's defaults."""
-    defaults = asdict(catalogue.find(algorithm).config_class()())
-    return {key: value for key, value in reached.config.items() if value != defaults[key]}.items()
 
 
 def test_the_first_of_the_best_is_chosen() -> None:
