@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 from algorithms import catalogue
 from service.paper import tuning
-from service.paper.tuning import PAIRS, SPACES, TIMESTEPS, Outcome, best
+from service.paper.tuning import AS_ON, PAIRS, SPACES, TIMESTEPS, Outcome, best
 
 FILE = Path(catalogue.__file__).with_name("presets.toml")
 HEAD = """\
@@ -55,8 +55,8 @@ def _settings(rows: Sequence[Outcome], name: str) -> Rows:
         settings = {**space.fixed.get(task, {}), **config}
         return _area(rows, task, space.algorithm, lambda row: row.config == settings)
 
-    other = _least_regret(space.configs, tasks, area)
-    return {"other": other, **{task: best(rows, task, name).config for task in tasks}}
+    chosen = {task: best(rows, task, name).config for task in tasks}
+    return {"other": _least_regret(space.configs, tasks, area), **_with_others(chosen)}
 
 
 def _weights(rows: Sequence[Outcome], name: str) -> Rows:
@@ -66,8 +66,13 @@ def _weights(rows: Sequence[Outcome], name: str) -> Rows:
         return _area(rows, task, name, lambda row: row.weights == pair)
 
     tasks = list(TIMESTEPS)
-    other = _least_regret(PAIRS[name], tasks, area)
-    return {"other": list(other), **{task: list(best(rows, task, name).weights) for task in tasks}}
+    chosen = {task: list(best(rows, task, name).weights) for task in tasks}
+    return {"other": list(_least_regret(PAIRS[name], tasks, area)), **_with_others(chosen)}
+
+
+def _with_others(chosen: Rows) -> Rows:
+    """What was chosen, and the same for the tasks that follow one of those."""
+    return {**chosen, **{task: chosen[followed] for task, followed in AS_ON.items()}}
 
 
 def _area(

@@ -56,6 +56,13 @@ def test_the_best_cell_of_each_task_is_chosen() -> None:
     assert "settings" not in chosen["hybrid-ddpg"]
 
 
+def test_tasks_that_are_not_searched_have_what_was_best_on_another() -> None:
+    chosen = presets_of(whole_search({("td3", "HalfCheetah", 2): 0.5}))
+    for task in ("Hopper", "Walker2d"):
+        assert chosen["td3"]["settings"][task] == SPACES["td3"].on("HalfCheetah")[2]
+        assert task not in TIMESTEPS
+
+
 def test_other_tasks_get_the_cell_that_loses_least_on_average() -> None:
     """Cell 5 is the best nowhere, and second everywhere."""
     areas = {("ddpg", task, place % 5): 1.0 for place, task in enumerate(TIMESTEPS)}
@@ -70,8 +77,8 @@ def test_other_tasks_get_the_cell_that_loses_least_on_average() -> None:
 
 
 def test_a_search_that_has_not_ended_chooses_nothing() -> None:
-    rows = [row for row in whole_search({}) if row.environment != "Hopper"]
-    with pytest.raises(ValueError, match=r"lacks ddpg, Hopper; .*`d3pg paper tune`"):
+    rows = [row for row in whole_search({}) if row.environment != "MountainCar"]
+    with pytest.raises(ValueError, match=r"lacks ddpg, MountainCar; .*`d3pg paper tune`"):
         presets_of(rows)
 
 
