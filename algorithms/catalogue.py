@@ -5,14 +5,20 @@ algorithm's name and `module:object` of an `Algorithm`. The project's own are li
 code is loaded on first use.
 """
 
+import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from importlib.metadata import entry_points
+from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any
 
 GROUP = "d3pg.algorithms"
+CORE_SECONDS: Mapping[str, Mapping[str, float]] = tomllib.loads(
+    Path(__file__).with_name("costs.toml").read_text(encoding="utf-8")
+)
+"""Of 1,000 timesteps, by learner and task."""
 
 
 @dataclass(frozen=True)
@@ -66,8 +72,6 @@ def hybrid(
     baseline: Algorithm,
     name: str,
     summary: str,
-    *,
-    core_seconds: Mapping[str, float],
     builder: str = "",
 ) -> Algorithm:
     """A baseline that also matches gradients; `builder` where it is not the baseline's."""
@@ -78,15 +82,10 @@ def hybrid(
         builder=builder or baseline.builder,
         uses_weights=True,
         extends=baseline.name,
-        core_seconds=core_seconds,
+        core_seconds=CORE_SECONDS[name],
     )
 
 
-# Core-seconds (w1 = 1 where a hybrid has no preset): process time, evaluation included, between
-# timesteps 1,200 and 2,800 of one run, of gd up to 12,000, of shac and ppo over 4,000 and of mpc up
-# to 60,000, on one thread of a shared AMD EPYC core in November 2026. Good to a factor of two or so
-# elsewhere. What ends before its timesteps, as gd on a plateau and mpc with its episode, costs less
-# than they say.
 DDPG = Algorithm(
     "ddpg",
     "Deep deterministic policy gradients with parameter noise",
@@ -94,12 +93,8 @@ DDPG = Algorithm(
     config="algorithms.settings:DDPGConfig",
     memory="algorithms.memory:of_replay",
     can_go_on=True,
-    core_seconds={
-        "MassPoint": 0.11, "CartPole": 0.09, "CartPoleSwingUp": 0.1, "Pendulum": 0.08,
-        "MountainCar": 0.1, "Acrobot": 0.1, "RollingDie": 0.08, "HalfCheetah": 0.11,
-        "Hopper": 0.12, "Walker2d": 0.15, "BallWall": 0.09,
-    },
-)  # fmt: skip
+    core_seconds=CORE_SECONDS["ddpg"],
+)
 TD3 = Algorithm(
     "td3",
     "Twin delayed deterministic policy gradients",
@@ -107,12 +102,8 @@ TD3 = Algorithm(
     config="algorithms.settings:TD3Config",
     memory="algorithms.memory:of_replay",
     can_go_on=True,
-    core_seconds={
-        "MassPoint": 0.15, "CartPole": 0.15, "CartPoleSwingUp": 0.15, "Pendulum": 0.15,
-        "MountainCar": 0.15, "Acrobot": 0.16, "RollingDie": 0.16, "HalfCheetah": 0.18,
-        "Hopper": 0.18, "Walker2d": 0.2, "BallWall": 0.16,
-    },
-)  # fmt: skip
+    core_seconds=CORE_SECONDS["td3"],
+)
 SAC = Algorithm(
     "sac",
     "Soft actor-critic with a fixed temperature",
@@ -120,12 +111,8 @@ SAC = Algorithm(
     config="algorithms.settings:SACConfig",
     memory="algorithms.memory:of_replay",
     can_go_on=True,
-    core_seconds={
-        "MassPoint": 0.22, "CartPole": 0.22, "CartPoleSwingUp": 0.22, "Pendulum": 0.21,
-        "MountainCar": 0.21, "Acrobot": 0.22, "RollingDie": 0.22, "HalfCheetah": 0.25,
-        "Hopper": 0.23, "Walker2d": 0.26, "BallWall": 0.22,
-    },
-)  # fmt: skip
+    core_seconds=CORE_SECONDS["sac"],
+)
 
 _ALL = (
     DDPG,
@@ -133,55 +120,30 @@ _ALL = (
         DDPG,
         "hybrid-ddpg",
         "DDPG whose critic also fits the simulator's gradients (L2)",
-        core_seconds={
-            "MassPoint": 0.12, "CartPole": 0.15, "CartPoleSwingUp": 0.14, "Pendulum": 0.13,
-            "MountainCar": 0.13, "Acrobot": 0.21, "RollingDie": 0.18, "HalfCheetah": 0.18,
-            "Hopper": 0.19, "Walker2d": 0.23, "BallWall": 0.14,
-        },
     ),
     hybrid(
         DDPG,
         "hybrid-ddpg-cosine",
         "DDPG whose critic also fits the direction of the simulator's gradients",
         builder="algorithms.actor_critic.ddpg:build_cosine",
-        core_seconds={
-            "MassPoint": 0.14, "CartPole": 0.16, "CartPoleSwingUp": 0.13, "Pendulum": 0.14,
-            "MountainCar": 0.13, "Acrobot": 0.14, "RollingDie": 0.13, "HalfCheetah": 0.18,
-            "Hopper": 0.19, "Walker2d": 0.23, "BallWall": 0.14,
-        },
     ),
     hybrid(
         DDPG,
         "hybrid-ddpg-robust",
         "DDPG whose critic also fits the simulator's gradients, within bounds",
         builder="algorithms.actor_critic.ddpg:build_robust",
-        core_seconds={
-            "MassPoint": 0.14, "CartPole": 0.16, "CartPoleSwingUp": 0.13, "Pendulum": 0.14,
-            "MountainCar": 0.13, "Acrobot": 0.17, "RollingDie": 0.15, "HalfCheetah": 0.18,
-            "Hopper": 0.23, "Walker2d": 0.28, "BallWall": 0.13,
-        },
     ),
     TD3,
     hybrid(
         TD3,
         "hybrid-td3",
         "TD3 whose critics also fit the simulator's gradients, within bounds",
-        core_seconds={
-            "MassPoint": 0.25, "CartPole": 0.25, "CartPoleSwingUp": 0.25, "Pendulum": 0.25,
-            "MountainCar": 0.25, "Acrobot": 0.27, "RollingDie": 0.27, "HalfCheetah": 0.3,
-            "Hopper": 0.32, "Walker2d": 0.35, "BallWall": 0.28,
-        },
     ),
     SAC,
     hybrid(
         SAC,
         "hybrid-sac",
         "Soft actor-critic whose critics also fit the simulator's gradients (L2)",
-        core_seconds={
-            "MassPoint": 0.3, "CartPole": 0.31, "CartPoleSwingUp": 0.31, "Pendulum": 0.31,
-            "MountainCar": 0.31, "Acrobot": 0.33, "RollingDie": 0.32, "HalfCheetah": 0.38,
-            "Hopper": 0.34, "Walker2d": 0.4, "BallWall": 0.3,
-        },
     ),
     Algorithm(
         "gd",
@@ -190,11 +152,7 @@ _ALL = (
         config="algorithms.settings:GDConfig",
         needs_reward_gradient=True,
         memory="algorithms.memory:of_episodes",
-        core_seconds={
-            "MassPoint": 0.034, "CartPole": 0.035, "CartPoleSwingUp": 0.039, "Pendulum": 0.035,
-            "MountainCar": 0.036, "RollingDie": 0.04, "HalfCheetah": 0.057,
-            "Hopper": 0.05, "Walker2d": 0.05, "BallWall": 0.037,
-        },
+        core_seconds=CORE_SECONDS["gd"],
     ),
     Algorithm(
         "shac",
@@ -202,11 +160,7 @@ _ALL = (
         builder="algorithms.ascent.shac:build",
         config="algorithms.settings:SHACConfig",
         memory="algorithms.memory:of_linearized_window",
-        core_seconds={
-            "MassPoint": 0.025, "CartPole": 0.023, "CartPoleSwingUp": 0.013, "Pendulum": 0.025,
-            "MountainCar": 0.021, "Acrobot": 0.023, "RollingDie": 0.015, "HalfCheetah": 0.034,
-            "Hopper": 0.028, "Walker2d": 0.054, "BallWall": 0.023,
-        },
+        core_seconds=CORE_SECONDS["shac"],
     ),
     Algorithm(
         "ppo",
@@ -214,11 +168,7 @@ _ALL = (
         builder="algorithms.policy_gradient.ppo:build",
         config="algorithms.settings:PPOConfig",
         memory="algorithms.memory:of_window",
-        core_seconds={
-            "MassPoint": 0.026, "CartPole": 0.029, "CartPoleSwingUp": 0.017, "Pendulum": 0.029,
-            "MountainCar": 0.028, "Acrobot": 0.033, "RollingDie": 0.029, "HalfCheetah": 0.035,
-            "Hopper": 0.032, "Walker2d": 0.047, "BallWall": 0.029,
-        },
+        core_seconds=CORE_SECONDS["ppo"],
     ),
     Algorithm(
         "mpc",
@@ -227,13 +177,9 @@ _ALL = (
         config="algorithms.settings:MPCConfig",
         needs_reward_gradient=True,
         memory="algorithms.memory:of_plan",
-        core_seconds={
-            "MassPoint": 0.0015, "CartPole": 0.0034, "CartPoleSwingUp": 0.0019, "Pendulum": 0.0058,
-            "MountainCar": 0.0026, "RollingDie": 0.0023, "HalfCheetah": 0.01,
-            "Hopper": 0.006, "Walker2d": 0.015, "BallWall": 0.0042,
-        },
+        core_seconds=CORE_SECONDS["mpc"],
     ),
-)  # fmt: skip
+)
 OWN = {algorithm.name: algorithm for algorithm in _ALL}
 
 
