@@ -1,7 +1,8 @@
 """The commands of `d3pg`, each in the file of its kind.
 
 Exit codes: 0 done; 1 the service refused, a check failed, or a run of the watched sweep failed; 2
-the command was called wrongly; 130 interrupted.
+the command was called wrongly; 130 interrupted. Those of `ask` are answers (`service.cli.answering`
+has what it exits with where it has none).
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from rich.console import Console
 
 from service.cli import paper
 from service.cli.adding import add, extend
+from service.cli.answering import AnsweringCommand
 from service.cli.asking import ask
 from service.cli.editing import edit, rm
 from service.cli.following import watch
@@ -45,11 +47,12 @@ app = typer.Typer(
 app.add_typer(db.app)
 app.add_typer(paper.app)
 COMMANDS: tuple[Callable[..., None], ...] = (
-    serve, submit, ask, ls, show, edit, watch, *map(command_of, TRANSITIONS), rm, add, extend,
+    serve, submit, ls, show, edit, watch, *map(command_of, TRANSITIONS), rm, add, extend,
     export, table, plot, figure, rollout, policy, diagnose, verify, doctor,
 )  # fmt: skip
 for command in COMMANDS:
     app.command()(command)
+app.command(cls=AnsweringCommand)(ask)
 
 
 @app.command()

@@ -45,7 +45,7 @@ def ask(
     """Ask whether A beats B, and wait for the answer; the service adds seeds until it is decided.
 
     Exit codes: 0 yes: better somewhere, worse nowhere; 1 no: worse somewhere, or equivalent
-    everywhere; 2 not decided.
+    everywhere; 2 not decided; 64 called wrongly; 65 refused by the service; 69 no service answers.
     """
     ours, theirs = sides_of(question)
     request = {

@@ -195,6 +195,26 @@ def test_several_entries_of_an_algorithm_lists_and_labels_come_back(
     assert again.request == first.request
 
 
+def test_another_like_it_asks_the_same_question(signed_in: Page, live: LiveService) -> None:
+    """And says so: the form has no field for it."""
+    body = {
+        "algorithms": [{"name": "hybrid-ddpg", "label": "ours"}, {"name": "ddpg"}],
+        "environments": ["Pendulum"],
+        "seeds": 4,
+        "question": {"compare": ["ours"], "with": "ddpg", "max_seeds": 40, "clip": 0.25},
+    }
+    headers = {"Content-Type": "application/json"}
+    posted = signed_in.request.post(f"{live.url}/api/v1/sweeps", data=body, headers=headers).json()
+    signed_in.goto(f"{live.url}/sweeps/{posted['id']}")
+    signed_in.get_by_role("link", name="Submit another like it").click()
+    expect(signed_in.locator("#submission-notices")).to_contain_text("may become 80")
+    signed_in.get_by_role("button", name="Submit", exact=True).click()
+    signed_in.wait_for_url(re.compile("/sweeps/(?!" + posted["id"] + ")"))
+    again, first = live.store.list_sweeps()
+    assert again.request["question"] == first.request["question"]
+    assert again.is_asking
+
+
 def test_an_entry_is_added_and_removed(
     signed_in: Page, live: LiveService, complaints: list[str]
 ) -> None:

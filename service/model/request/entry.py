@@ -19,6 +19,9 @@ from workers.messages.run_spec import Weights
 
 Json = Mapping[str, Any]
 
+ALWAYS_TOLD = frozenset({"placebo"})
+"""Settings that make of an algorithm what it is to be compared with: never left out of a label."""
+
 LARGEST_WHOLE = 1e16  # above it, floats are shown by their exponent
 
 
@@ -137,7 +140,8 @@ def _labelled(entries: Sequence[Entry]) -> list[Entry]:
     """Name each by its base, and by what it states that tells it from its siblings.
 
     Siblings are the entries of the same algorithm; those of one label, the entries under it. Where
-    some state the same, in environments of their own, those tell them apart.
+    some state the same, in environments of their own, those tell them apart. A placebo says that it
+    is one, unless the request gives it a label.
     """
     telling = {
         base: _telling([each for each in entries if base in (each.base, each.algorithm)])
@@ -161,6 +165,7 @@ def _telling(siblings: Sequence[Entry]) -> set[str]:
 
 
 def _label(entry: Entry, telling: set[str]) -> str:
+    telling = telling | ALWAYS_TOLD if entry.base == entry.algorithm else telling
     told = [f"{n}={setting_text(value)}" for n, value in entry.stated.items() if n in telling]
     return " ".join([entry.base, *told])
 

@@ -1,5 +1,6 @@
 """`d3pg ask`: the question that it posts, the answer that it prints, its exit code."""
 
+import os
 import threading
 from collections.abc import Iterator
 from typing import Any
@@ -74,16 +75,37 @@ def test_weights_tell_entries_apart(d3pg: Command) -> None:
 
 @pytest.mark.parametrize("question", ["ddpg", "vs ddpg", "a vs b vs c", "a vs ", "a and  vs b"])
 def test_what_is_no_question_is_refused(d3pg: Command, question: str) -> None:
-    refused = d3pg("ask", question, *ASKED, code=2)
+    refused = d3pg("ask", question, *ASKED, code=os.EX_USAGE)
     assert "is no question" in refused.stderr
 
 
 def test_a_grid_can_be_asked_about_but_not_compared_with(d3pg: Command, service: Client) -> None:
-    refused = d3pg("ask", "sac vs ddpg:noise=0.1,0.2", *ASKED, code=2)
+    refused = d3pg("ask", "sac vs ddpg:noise=0.1,0.2", *ASKED, code=os.EX_USAGE)
     assert "is a grid: compare with one learner" in refused.stderr
     asked = ("ask", "ddpg:noise=0.1,0.2 vs sac", "-e", "Pendulum", "--margin", "1.5")
-    assert "question.margin" in d3pg(*asked, code=1).exception.args[0]  # type: ignore
+    assert "question.margin" in d3pg(*asked, code=os.EX_DATAERR).stderr
     assert list(service.sweeps()) == []
+
+
+@pytest.mark.parametrize(
+    "arguments", [(), ("ddpg vs sac",), ("ddpg vs sac", *ASKED, "--margin", "x"), ("--looks", "3")]
+)
+def test_a_wrong_call_is_no_answer(d3pg: Command, arguments: tuple[str, ...]) -> None:
+    assert d3pg("ask", *arguments, code=os.EX_USAGE).stderr
+    d3pg("show", "--looks", "3", code=2)  # a command without answers
+
+
+def test_no_service_is_no_answer(d3pg: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("D3PG_URL", "http://127.0.0.1:1")
+    said = d3pg("ask", "sac vs ddpg", *ASKED, code=os.EX_UNAVAILABLE).stderr
+    assert "No service answers" in said
+
+
+def test_a_fault_of_our_own_is_no_answer(d3pg: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("service.cli.asking.exit_code", lambda _: 1 // 0)
+    monkeypatch.setattr("service.cli.asking.follow", lambda *_: 0)
+    said = d3pg("ask", "sac vs ddpg", *ASKED, code=os.EX_SOFTWARE).stderr
+    assert "ZeroDivisionError" in said
 
 
 def test_the_sides_of_a_question() -> None:

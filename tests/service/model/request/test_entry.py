@@ -38,6 +38,12 @@ def test_only_what_tells_from_siblings_is_named() -> None:
     ) == ["ddpg noise=0.1", "ddpg noise=0.2", "sac"]
 
 
+def test_a_placebo_alone_says_that_it_is_one() -> None:
+    placebo = {"name": "hybrid-ddpg", "config": {"placebo": "shuffled"}}
+    assert labels({"name": "ddpg"}, placebo) == ["ddpg", 'hybrid-ddpg placebo="shuffled"']
+    assert labels({**placebo, "label": "other gradients"}) == ["other gradients"]
+
+
 def test_each_pair_of_weights_is_an_entry() -> None:
     found = entries(
         {"name": "ddpg"}, {"name": "hybrid-ddpg", "weights": [{"w1": 1}, {"w1": 0.1, "w2": 0.01}]}
