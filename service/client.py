@@ -19,6 +19,7 @@ import time
 import uuid
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar
@@ -37,7 +38,8 @@ from service.analysis.statistics.score import Score
 from service.api.schemas.curves_answer import CurvesAnswer
 from service.api.schemas.diagnosis_answer import DiagnosisAnswer
 from service.api.schemas.listed_sweep_answer import ListedSweepAnswer
-from service.api.schemas.measurements_answer import MeasurementsAnswer
+from service.api.schemas.measured.measurements_answer import MeasurementsAnswer
+from service.api.schemas.measured.scores_answer import ScoresAnswer
 from service.api.schemas.number import unsayable
 from service.api.schemas.page import DEFAULT_LIMIT, Page
 from service.api.schemas.question.verdict_answer import VerdictAnswer
@@ -49,6 +51,8 @@ from service.api.schemas.run_answer import AttemptAnswer, ListedRunAnswer, RunAn
 from service.api.schemas.score_table_answer import ScoreTableAnswer
 from service.api.schemas.statistics_answer import StatisticsAnswer
 from service.api.schemas.sweep_answer import DryRunAnswer, SweepAnswer, SweepHead
+from service.export.measured_run import MeasuredRun, measured_runs
+from service.extras import required
 from service.model.move import Move
 from service.model.run import RunStatus
 from service.model.run_name import is_run
@@ -409,6 +413,36 @@ class Client:
         """Every measurement of all runs of a sweep as CSV, a line a measurement; one request."""
         return self._call("GET", f"/sweeps/{sweep_id}/measurements").text
 
+    def save_measurements(
+        self, sweep_id: str, file: Path, form: Literal["csv", "parquet"] = "csv"
+    ) -> int:
+        """Write every measurement of a sweep to a file, as it arrives; nothing holds it whole.
+
+        Returns:
+            The number of bytes.
+        """
+        with (
+            self._streamed(f"/sweeps/{sweep_id}/measurements", format=form) as answer,
+            file.open("wb") as opened,
+        ):
+            return sum(opened.write(part) for part in answer.iter_bytes())
+
+    def measured_runs(self, sweep_id: str) -> Iterator[MeasuredRun]:
+        """The runs of a sweep that measured anything, each with all of it, one after the other."""
+        with self._streamed(f"/sweeps/{sweep_id}/measurements") as answer:
+            yield from measured_runs(answer.iter_lines())
+
+    def to_pandas(self, sweep_id: str) -> Any:
+        """Every measurement of a sweep as a `pandas.DataFrame`, a row a measurement."""
+        return required("pandas", "pandas").read_csv(io.StringIO(self.sweep_csv(sweep_id)))
+
+    def scores(
+        self, sweep_id: str, *, score: Score = "final", normalized: bool = True
+    ) -> ScoresAnswer:
+        """The score of every run of a sweep, by entry and task; same options as `table`."""
+        path = f"/sweeps/{sweep_id}/scores"
+        return self._get(ScoresAnswer, path, score=score, normalized=normalized)
+
     def curves(
         self,
         sweep_id: str,
@@ -656,13 +690,28 @@ class Client:
         try:
             response = self._http.request(method, prefix + path, **options)
         except httpx2.TransportError as error:
-            raise ServiceError(
-                f"No service answers at {self.url} ({error}). Start one with `d3pg serve`, or "
-                "name another with D3PG_URL."
-            ) from error
+            raise self._silence(error) from error
         if response.is_success or response.status_code in allowed:
             return response
         raise ServiceError(problem_text(response), response.status_code)
+
+    @contextmanager
+    def _streamed(self, path: str, **params: Any) -> Iterator[httpx2.Response]:
+        """An answer that is read as it arrives."""
+        try:
+            with self._http.stream("GET", API + path, params=params) as response:
+                if not response.is_success:
+                    response.read()
+                    raise ServiceError(problem_text(response), response.status_code)
+                yield response
+        except httpx2.TransportError as error:
+            raise self._silence(error) from error
+
+    def _silence(self, error: httpx2.TransportError) -> ServiceError:
+        return ServiceError(
+            f"No service answers at {self.url} ({error}). Start one with `d3pg serve`, or "
+            "name another with D3PG_URL."
+        )
 
 
 def as_json(request: Request) -> dict[str, Any]:

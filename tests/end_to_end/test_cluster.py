@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 import algorithms
-from service.api.schemas.measurements_answer import table
+from service.api.schemas.measured.measurements_answer import table
 from tests.end_to_end.curves import Curves, curves_at_the_end, submitted, wait_for, without_times
 from tests.end_to_end.machine import Machine, short_folder
 from tests.end_to_end.ray_node import Node, cluster_environment, head, worker

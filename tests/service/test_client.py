@@ -224,3 +224,82 @@ def test_each_move_has_a_method_of_its_name(service: Client) -> None:
         service.retry(f"{sweep_id}-0")
     for name in get_args(Move):
         assert callable(getattr(Client, name))
+
+
+def test_the_score_of_every_run(service: Client, trained: str) -> None:
+    answer = service.scores(trained)
+    assert {(cell.environment, cell.label) for cell in answer.cells} == {
+        (task, label) for task in ("MassPoint", "Pendulum") for label in ("ddpg", "hybrid-ddpg")
+    }
+    table = service.table(trained)
+    for cell in answer.cells:
+        [row] = [row for row in table.rows if row.label == cell.label]
+        standing = row.entries[table.environments.index(cell.environment)]
+        assert standing is not None
+        assert np.mean(np.array(cell.values, float)) == pytest.approx(standing.mean)
+    raw = service.scores(trained, score="return_history", normalized=False)
+    assert raw.cells[0].values != answer.cells[0].values
+
+
+def test_measurements_are_saved_and_read_run_by_run(
+    service: Client, trained: str, tmp_path: Path
+) -> None:
+    file = tmp_path / "all.csv"
+    assert service.save_measurements(trained, file) == file.stat().st_size
+    assert file.read_bytes().decode() == service.sweep_csv(trained)
+    runs = list(service.measured_runs(trained))
+    assert [run.id for run in runs] == [run.id for run in service.runs(trained)]
+    for run in runs:
+        columns = service.measurements(run.id).columns
+        assert run.columns["return_mean"].tolist() == columns["return_mean"]
+    with pytest.raises(ServiceError, match="no sweep"):
+        list(service.measured_runs("000000000000"))
+
+
+def test_answers_are_tables(service: Client, trained: str) -> None:
+    curves = service.curves(trained, seeds=True)
+    rows = list(curves.records())
+    panel = curves.panels[0]
+    curve = panel.curves[0]
+    assert curve.seeds is not None
+    first = {
+        "environment": panel.environment, "label": curve.label, "algorithm": curve.algorithm,
+        "timesteps": curve.x[0], "mean": curve.mean[0], "low": curve.low[0], "high": curve.high[0],
+        "n": curve.n[0],
+    }  # fmt: skip
+    seed = curve.seeds[0]
+    assert rows[0] == {**first, "seed": 0, "run": seed.run_id, "value": seed.values[0]}
+    assert len(rows) == 12 * 5
+    assert next(service.curves(trained).records()) == first
+    cells = list(service.table(trained).records())
+    assert len(cells) == 4
+    assert {"environment", "label", "w1", "config", "mean", "is_best"} <= set(cells[0])
+    statistics = service.statistics(trained)
+    assert [row["label"] for row in statistics.interquartile_mean.records()] == [
+        "ddpg", "hybrid-ddpg"
+    ]  # fmt: skip
+    [pair] = statistics.probability_of_improvement.records()
+    assert (pair["x"], pair["y"]) == ("ddpg", "hybrid-ddpg")
+    assert len(list(statistics.paired_differences.records())) == 2
+    assert len(list(service.scores(trained).records())) == 12
+
+
+def test_values_that_are_not_finite_come_back_in_tables(service: Client, store: Store) -> None:
+    sweep = service.submit(changed(seeds=1, environments=["Pendulum"])).id
+    train(store, 2, lambda spec, step: float("-inf") if step == 800 else 1.0)
+    run = next(service.runs(sweep))
+    values = [row["return_mean"] for row in service.measurements(run.id).records()]
+    assert values == [float("-inf"), 1.0]
+
+
+def test_tables_for_pandas(service: Client, trained: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    pandas = pytest.importorskip("pandas", reason="the extra `pandas` is not installed")
+    frame = service.to_pandas(trained)
+    assert isinstance(frame, pandas.DataFrame)
+    assert len(frame) == 12 * 5
+    means = frame[frame.timestep == 4000].groupby("label").return_mean.mean()
+    assert means["hybrid-ddpg"] > means["ddpg"]
+    assert len(service.table(trained).to_pandas()) == 4
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(ModuleNotFoundError, match=r"pip install 'd3pg\[pandas\]'"):
+        service.table(trained).to_pandas()

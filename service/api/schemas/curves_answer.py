@@ -4,7 +4,7 @@ Encoded by hand: 14,000 points of four numbers would take a validating model sec
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -14,6 +14,7 @@ from service.analysis.comparison import Comparison, LabelledCurve, Panel, defini
 from service.analysis.curves import Floats
 from service.api.schemas.number import Numbers, numbers
 from service.api.schemas.run_answer import WeightsAnswer
+from service.api.schemas.tabular import Tabular
 
 
 class SeedAnswer(BaseModel):
@@ -61,7 +62,7 @@ class PanelAnswer(BaseModel):
     curves: list[CurveAnswer]
 
 
-class CurvesAnswer(BaseModel):
+class CurvesAnswer(Tabular):
     """The curves of a sweep. Numbers are rounded to nine significant digits."""
 
     model_config = ConfigDict(
@@ -112,6 +113,27 @@ class CurvesAnswer(BaseModel):
     x: str
     definition: str = Field(description="What the curves show, in words.")
     panels: list[PanelAnswer]
+
+    def records(self) -> Iterator[dict[str, Any]]:
+        """Yield a record a point of a curve; with `seeds=true`, one a point of a run."""
+        for panel in self.panels:
+            for curve in panel.curves:
+                told = {
+                    "environment": panel.environment,
+                    "label": curve.label,
+                    "algorithm": curve.algorithm,
+                }
+                columns = [curve.x, curve.mean, curve.low, curve.high, curve.n]
+                for place, point in enumerate(zip(*columns, strict=True)):
+                    row = told | dict(zip((self.x, "mean", "low", "high", "n"), point, strict=True))
+                    yield from ([row] if curve.seeds is None else _by_seed(row, curve.seeds, place))
+
+
+def _by_seed(
+    row: dict[str, Any], seeds: Sequence[SeedAnswer], place: int
+) -> Iterator[dict[str, Any]]:
+    for seed in seeds:
+        yield row | {"seed": seed.seed, "run": seed.run_id, "value": seed.values[place]}
 
 
 def curves_json(sweep_id: str, comparison: Comparison, with_seeds: bool) -> bytes:

@@ -4,7 +4,7 @@ import csv
 import io
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
 
@@ -14,6 +14,7 @@ from service.analysis.statistics.score import Score
 from service.analysis.statistics.score_table import ScoreTable, Standing
 from service.api.schemas.number import finite_or_none
 from service.api.schemas.run_answer import WeightsAnswer
+from service.api.schemas.tabular import Tabular
 
 FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r")
 COLUMNS = (
@@ -50,7 +51,7 @@ class RowAnswer(BaseModel):
     entries: list[StandingAnswer | None]
 
 
-class ScoreTableAnswer(BaseModel):
+class ScoreTableAnswer(Tabular):
     """The table of a sweep."""
 
     model_config = ConfigDict(
@@ -113,6 +114,16 @@ class ScoreTableAnswer(BaseModel):
             environments=list(table.environments),
             rows=rows,
         )
+
+    def records(self) -> Iterator[dict[str, Any]]:
+        """Yield a record a cell: an entry in a task."""
+        for row in self.rows:
+            for environment, entry in zip(self.environments, row.entries, strict=True):
+                if entry is not None:
+                    weights, config = entry.weights.model_dump(), {"config": entry.config}
+                    told = entry.model_dump(exclude={"weights", "config"})
+                    named = {"environment": environment, "label": row.label}
+                    yield named | weights | config | told
 
 
 def score_table_csv(table: ScoreTable) -> str:

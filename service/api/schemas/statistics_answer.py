@@ -1,6 +1,7 @@
 """The statistics of a sweep, as answers show them: every figure with its definition."""
 
-from typing import Self
+from collections.abc import Iterator
+from typing import Any, Self
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
@@ -17,6 +18,7 @@ from service.analysis.statistics.sweep_statistics import (
     SweepStatistics,
 )
 from service.api.schemas.number import Numbers, finite_or_none, numbers
+from service.api.schemas.tabular import Tabular
 
 INTERVAL_TEXT = (
     f"Interval: 95 %, stratified bootstrap ({RESAMPLES} resamples of the runs within each task, "
@@ -86,11 +88,15 @@ class IQMAnswer(EstimateAnswer):
     n: int
 
 
-class IQMsAnswer(BaseModel):
+class IQMsAnswer(Tabular):
     """The interquartile means of a sweep."""
 
     definition: str
     values: list[IQMAnswer]
+
+    def records(self) -> Iterator[dict[str, Any]]:
+        """Yield a record an entry."""
+        return (each.model_dump() for each in self.values)
 
 
 class ImprovementAnswer(BaseModel):
@@ -102,11 +108,15 @@ class ImprovementAnswer(BaseModel):
     same_seeds: EstimateAnswer | None = Field(description="null where a task has no such pair.")
 
 
-class ImprovementsAnswer(BaseModel):
+class ImprovementsAnswer(Tabular):
     """Each pair of curves once; the other way round it is one minus the value."""
 
     definition: str
     pairs: list[ImprovementAnswer]
+
+    def records(self) -> Iterator[dict[str, Any]]:
+        """Yield a record a pair of entries, over all pairs of runs."""
+        return ({"x": each.x, "y": each.y, **each.all_pairs.model_dump()} for each in self.pairs)
 
 
 class ProfileAnswer(BaseModel):
@@ -142,11 +152,15 @@ class DifferenceAnswer(BaseModel):
     high: float | None
 
 
-class DifferencesAnswer(BaseModel):
+class DifferencesAnswer(Tabular):
     """The paired differences of a sweep, environment by environment."""
 
     definition: str
     values: list[DifferenceAnswer]
+
+    def records(self) -> Iterator[dict[str, Any]]:
+        """Yield a record a difference."""
+        return (each.model_dump() for each in self.values)
 
 
 class StatisticsAnswer(BaseModel):

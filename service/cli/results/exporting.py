@@ -13,10 +13,11 @@ import typer
 
 from service.analysis.figures.paper_figure import FigureNumber
 from service.analysis.statistics.score import Score
-from service.api.schemas.measurements_answer import SPEC_COLUMNS
+from service.api.schemas.measured.measurements_answer import SPEC_COLUMNS
 from service.api.schemas.run_answer import RunAnswer
 from service.api.schemas.score_table_answer import StandingAnswer, inert
 from service.cli.identifiers import Identifier, SweepId
+from service.cli.results.converting import Format, convert
 from service.cli.results.drawing import form_of
 from service.cli.terminal import AsJson, print_json, print_table, say, write_out
 from service.client import Client, TableText
@@ -28,11 +29,22 @@ Row = dict[str, Any]
 def export(
     identifier: Identifier,
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="A .csv file; else standard output.")
+        Path | None,
+        typer.Option("--output", "-o", help="A file or, for tensorboard and wandb, a new folder."),
+    ] = None,
+    form: Annotated[
+        Format | None, typer.Option("--format", help="Else as the file's name ends; else csv.")
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Write every measurement of a sweep or a run as CSV, a line a measurement."""
+    """Write every measurement of a sweep or a run as CSV, or a sweep for other tools.
+
+    mlflow adds an experiment to a SQLite file; openrlbenchmark and rliable are NumPy archives.
+    """
+    form = form or ("parquet" if output and output.suffix == ".parquet" else "csv")
+    if form != "csv":
+        _for_others(identifier, form, output, as_json)
+        return
     with Client() as client:
         if as_json:
             for run in runs_of(client, identifier):
@@ -48,6 +60,18 @@ def export(
         output.write_text(text, encoding="utf-8", newline="")
         lines = sum(1 for _ in csv.reader(io.StringIO(text, newline="")))
         say(f"Wrote {lines - 1} measurements to {output}")
+
+
+def _for_others(identifier: str, form: Format, output: Path | None, as_json: bool) -> None:
+    """Write a sweep for another tool. Raises BadParameter for a run, and without an output."""
+    if is_run(identifier):
+        raise typer.BadParameter(f"a run is written as csv alone, not as {form}")
+    if output is None:
+        raise typer.BadParameter(f"{form} is no text: name a file or folder", param_hint="--output")
+    with Client() as client:
+        written, opened = convert(form, client, identifier, output)
+    told = ", ".join(f"{count} {what}" for what, count in written.items() if what != "output")
+    say(json.dumps(written) if as_json else f"Wrote {told} to {output}: {opened}")
 
 
 def runs_of(client: Client, identifier: str) -> Iterator[RunAnswer]:

@@ -1,14 +1,17 @@
 """What a run measured: every point, exact."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from importlib import import_module
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import StreamingResponse
 
+from algorithms.measurement import Measurement
 from service.api.context import TheRun, TheStore, TheSweep
 from service.api.negotiation import asked_form
-from service.api.schemas.measurements_answer import (
+from service.api.refusals.problems import Fault, InvalidRequest
+from service.api.schemas.measured.measurements_answer import (
     MeasurementsAnswer,
     measurements_csv,
     measurements_json,
@@ -17,6 +20,7 @@ from service.api.schemas.measurements_answer import (
     table,
 )
 from service.model.request.entry import Entries
+from service.model.run import Run
 from service.model.run_name import RunName
 from service.model.sweep import Sweep
 from service.store.store import Store
@@ -35,6 +39,11 @@ SWEEP_EXAMPLE = (
 )
 RUNS_AT_ONCE = 256
 MEDIA_TYPES: dict[Format, str] = {"json": "application/json", "csv": "text/csv"}
+SweepFormat = Literal["csv", "parquet"]
+SWEEP_MEDIA_TYPES: dict[SweepFormat, str] = {
+    "csv": "text/csv",
+    "parquet": "application/vnd.apache.parquet",
+}
 
 
 @router.get(
@@ -66,14 +75,33 @@ def get_measurements(
     "/sweeps/{sweep_id}/measurements",
     response_class=StreamingResponse,
     responses={
-        200: {"content": {"text/csv": {"schema": {"type": "string"}, "example": SWEEP_EXAMPLE}}}
+        200: {
+            "content": {
+                "text/csv": {"schema": {"type": "string"}, "example": SWEEP_EXAMPLE},
+                SWEEP_MEDIA_TYPES["parquet"]: {"schema": {"type": "string", "format": "binary"}},
+            }
+        }
     },
 )
-def get_sweep_measurements(sweep: TheSweep, store: TheStore) -> StreamingResponse:
-    """Answer every measurement of all runs of a sweep as CSV, a line a measurement."""
-    disposition = f'attachment; filename="{sweep.id}.csv"'
+def get_sweep_measurements(
+    sweep: TheSweep,
+    request: Request,
+    store: TheStore,
+    format: Annotated[  # noqa: A002 - the name in the URL
+        SweepFormat | None, Query(description="Left out: as the Accept header says, else CSV.")
+    ] = None,
+) -> StreamingResponse:
+    """Answer every measurement of all runs of a sweep, a row a measurement.
+
+    As Parquet, numbers keep their types, and repeated texts cost nothing; that needs the extra
+    `parquet` where the service runs.
+    """
+    form = asked_form(request, format, SWEEP_MEDIA_TYPES)
+    disposition = f'attachment; filename="{sweep.id}.{form}"'
     return StreamingResponse(
-        _csv(sweep, store), media_type="text/csv", headers={"Content-Disposition": disposition}
+        _csv(sweep, store) if form == "csv" else _parquet(sweep, store),
+        media_type=SWEEP_MEDIA_TYPES[form],
+        headers={"Content-Disposition": disposition, "Vary": "Accept"},
     )
 
 
@@ -81,7 +109,27 @@ def _csv(sweep: Sweep, store: Store) -> Iterator[str]:
     """Yield the lines, some runs at a time."""
     label, diagnostics = Entries(sweep.request).label, store.diagnostic_names(sweep.id)
     yield sweep_heading(diagnostics)
+    for found in _measured(sweep, store):
+        yield "".join(sweep_lines(run, label(run), points, diagnostics) for run, points in found)
+
+
+def _parquet(sweep: Sweep, store: Store) -> Iterator[bytes]:
+    """Return the parts of the file. Raises InvalidRequest where Parquet cannot be written."""
+    try:
+        writer = import_module("service.api.schemas.measured.measurements_parquet")
+    except ModuleNotFoundError as error:
+        raise InvalidRequest([Fault("format", f"the service cannot write it: {error}")]) from error
+    label, diagnostics = Entries(sweep.request).label, store.diagnostic_names(sweep.id)
+    groups = (
+        [(run, label(run), points) for run, points in found] for found in _measured(sweep, store)
+    )
+    parts: Iterator[bytes] = writer.parquet_parts(groups, diagnostics)
+    return parts
+
+
+def _measured(sweep: Sweep, store: Store) -> Iterator[Sequence[tuple[Run, list[Measurement]]]]:
+    """Yield the runs with what they measured, some at a time: a large sweep is never held."""
     last = -1
     while found := store.sweep_measurements(sweep.id, last, RUNS_AT_ONCE):
-        yield "".join(sweep_lines(run, label(run), points, diagnostics) for run, points in found)
+        yield found
         last = RunName.parse(found[-1][0].id).ordinal

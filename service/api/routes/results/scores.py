@@ -19,6 +19,7 @@ from service.api.negotiation import asked_form
 from service.api.refusals.nearest import unknown_name
 from service.api.refusals.problems import Fault, InvalidRequest, NotFound
 from service.api.revalidation import RevalidatedRoute
+from service.api.schemas.measured.scores_answer import ScoresAnswer
 from service.api.schemas.question.verdict_answer import VerdictAnswer
 from service.api.schemas.requests.texts import Text
 from service.api.schemas.score_table_answer import ScoreTableAnswer, score_table_csv
@@ -74,10 +75,15 @@ class StatisticsQuery(ScoreQuery):
     )
 
 
-class TableQuery(ScoreQuery):
-    """Which score, and in which form."""
+class ScaleQuery(ScoreQuery):
+    """Which score, on which scale."""
 
     normalized: bool = Field(default=True, description="0 acts at random, 1 is the best.")
+
+
+class TableQuery(ScaleQuery):
+    """Which score, and in which form."""
+
     format: TableForm | None = Field(
         default=None, description="Left out: as the Accept header says, else JSON."
     )
@@ -102,6 +108,15 @@ def get_table(
     if form == "csv":
         headers["Content-Disposition"] = f'attachment; filename="{sweep.id}-table.csv"'
     return Response(_written(form, sweep, table), media_type=MEDIA_TYPES[form], headers=headers)
+
+
+@router.get("/scores")
+def get_scores(
+    sweep: TheSweep, query: Annotated[ScaleQuery, Query()], store: TheStore
+) -> ScoresAnswer:
+    """Answer the score of every run: what the table and the statistics are made of."""
+    cells = _scores(store, sweep, query.score, normalized=query.normalized)
+    return ScoresAnswer.of(sweep.id, query.score, cells, normalized=query.normalized)
 
 
 @router.get("/statistics")

@@ -60,3 +60,39 @@ def test_a_sweep_without_measurements_has_a_heading(client: TestClient) -> None:
     link = client.post("/api/v1/sweeps", json=changed()).json()["links"]["self"]
     [heading] = client.get(f"{link}/measurements").text.splitlines()
     assert heading.startswith("run,label,algorithm,environment,w1,w2,config,seed,timestep,")
+
+
+def test_parquet_has_the_rows_of_the_csv_with_types(
+    client: TestClient, store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet", reason="the extra `parquet` is not installed")
+    monkeypatch.setattr(measurements, "RUNS_AT_ONCE", 5)
+    entries = [{"name": "ddpg", "label": "=1+1"}, {"name": "ddpg", "config": {"noise": 0.5}}]
+    posted = client.post("/api/v1/sweeps", json=changed(algorithms=entries)).json()
+    link = f"{posted['links']['self']}/measurements"
+    train(store, 5, rising)
+    answer = client.get(link, params={"format": "parquet"})
+    assert answer.headers["content-type"] == "application/vnd.apache.parquet"
+    accepted = client.get(link, headers={"Accept": "application/vnd.apache.parquet"})
+    assert accepted.content == answer.content
+    file = parquet.ParquetFile(io.BytesIO(answer.content))
+    assert file.num_row_groups == 3
+    rows = file.read().to_pylist()
+    texts = list(csv.DictReader(io.StringIO(client.get(link).text)))
+    assert len(rows) == len(texts) == 60
+    assert list(rows[0]) == list(texts[0])
+    assert rows[0]["label"] == "=1+1"
+    for row, text in zip(rows, texts, strict=True):
+        assert (row["run"], row["config"]) == (text["run"], text["config"])
+        assert isinstance(row["timestep"], int)
+        for name in ("seed", "timestep", "return_mean", "seconds", "critic_loss"):
+            assert row[name] == float(text[name])
+
+
+def test_parquet_of_a_sweep_without_measurements_is_an_empty_table(client: TestClient) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet", reason="the extra `parquet` is not installed")
+    link = client.post("/api/v1/sweeps", json=changed()).json()["links"]["self"]
+    answer = client.get(f"{link}/measurements", params={"format": "parquet"})
+    table = parquet.read_table(io.BytesIO(answer.content))
+    assert table.num_rows == 0
+    assert "return_mean" in table.column_names

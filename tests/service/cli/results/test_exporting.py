@@ -3,8 +3,10 @@
 import csv
 import io
 import json
+import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from service.client import Client
@@ -47,6 +49,45 @@ def test_a_run_is_exported_alone_and_to_a_file(
     assert "Wrote 5 measurements" in d3pg("export", run, "-o", str(file)).stdout
     assert file.read_bytes().count(b"\r\n") == 6
     assert as_json(d3pg("export", run, "--json"))["run_id"] == run
+
+
+def test_a_sweep_is_written_for_other_tools(
+    d3pg: Command, service: Client, trained: str, tmp_path: Path
+) -> None:
+    file = tmp_path / "bench.npz"
+    told = d3pg("export", trained, "--format", "openrlbenchmark", "-o", str(file)).stdout
+    assert told == f"Wrote 16 arrays to {file}: numpy.load('{file}') reads them\n"
+    cell = "Pendulum/ddpg/charts/episodic_return"
+    run = next(service.runs(trained, algorithm="ddpg", environment="Pendulum"))
+    columns = service.measurements(run.id).columns
+    assert np.load(file)[cell][run.seed].tolist() == columns["return_mean"]
+    scores = tmp_path / "scores.npz"
+    d3pg("export", trained, "--format", "rliable", "-o", str(scores), "--json")
+    read = np.load(scores)
+    assert read["scores/ddpg"].shape == (3, 2)
+    final = {run.seed: run.score for run in service.runs(trained, algorithm="ddpg")
+             if run.environment == "Pendulum"}  # fmt: skip
+    column = read["tasks"].tolist().index("Pendulum")
+    assert read["scores/ddpg"][:, column].tolist() == pytest.approx([final[s] for s in range(3)])
+
+
+def test_a_form_that_cannot_be_written_says_why(
+    d3pg: Command, service: Client, trained: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = next(service.runs(trained)).id
+    assert "csv alone" in d3pg("export", run, "--format", "rliable", "-o", "x", code=2).stderr
+    assert "name a file" in d3pg("export", trained, "--format", "wandb", code=2).stderr
+    (tmp_path / "there").write_text("mine", encoding="utf-8")
+    asked = ("--format", "tensorboard", "-o", str(tmp_path))
+    assert "name a new folder" in d3pg("export", trained, *asked, code=2).stderr
+    for name in ("wandb", "pyarrow"):
+        monkeypatch.setitem(sys.modules, name, None)
+    for name in ("export.wandb_runs", "api.schemas.measured.measurements_parquet"):
+        monkeypatch.delitem(sys.modules, f"service.{name}", raising=False)
+    refused = d3pg("export", trained, "--format", "wandb", "-o", str(tmp_path / "w"), code=1)
+    assert "pip install 'd3pg[wandb]'" in str(refused.exception)
+    refused = d3pg("export", trained, "-o", str(tmp_path / "x.parquet"), code=1)
+    assert "pip install 'd3pg[parquet]'" in str(refused.exception)
 
 
 def test_the_table_in_every_form(d3pg: Command, trained: str) -> None:

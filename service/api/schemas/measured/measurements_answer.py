@@ -8,12 +8,14 @@ import csv
 import io
 import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from algorithms.measurement import Measurement
 from service.api.schemas.score_table_answer import inert
+from service.api.schemas.tabular import Tabular
 from service.model.run import Run
 
 Number = float | int
@@ -36,7 +38,7 @@ class NonfiniteAnswer(BaseModel):
     value: str = Field(description="`NaN`, `Infinity` or `-Infinity`.")
 
 
-class MeasurementsAnswer(BaseModel):
+class MeasurementsAnswer(Tabular):
     """The table. Diagnostics that a measurement lacks are null too.
 
     `seconds` is processor time of training so far, acting and learning alone; `compile_seconds`
@@ -67,6 +69,13 @@ class MeasurementsAnswer(BaseModel):
     run_id: str
     columns: dict[str, list[float | int | None]]
     nonfinite: list[NonfiniteAnswer]
+
+    def records(self) -> Iterator[dict[str, Any]]:
+        """Yield a record a measurement, with the values that are not finite in their places."""
+        rest = {(each.timestep, each.column): float(each.value) for each in self.nonfinite}
+        for values in zip(*self.columns.values(), strict=True):
+            row = dict(zip(self.columns, values, strict=True))
+            yield {name: rest.get((row["timestep"], name), value) for name, value in row.items()}
 
 
 def table(measurements: Sequence[Measurement]) -> Columns:

@@ -1,0 +1,1 @@
+"""What runs measured, as answers and files show it."""
