@@ -67,7 +67,8 @@ def _weights(rows: Sequence[Outcome], name: str) -> Rows:
 
     tasks = list(TIMESTEPS)
     chosen = {task: list(best(rows, task, name).weights) for task in tasks}
-    return {"other": list(_least_regret(PAIRS[name], tasks, area)), **_with_others(chosen)}
+    other = _least_regret(PAIRS[name], tasks, area)
+    return {"other": list(other), **_with_others(chosen)}
 
 
 def _with_others(chosen: Rows) -> Rows:
