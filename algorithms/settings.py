@@ -24,6 +24,9 @@ Placebo = Annotated[
         description="of a hybrid: with the derivatives of other transitions, or with 0 for a target"
     ),
 ]
+MatchEvery = Annotated[
+    int, Field(ge=1, le=1000, description="of a hybrid: updates to each one that matches gradients")
+]
 BatchSize = Annotated[int, Field(ge=1, le=1024, description="transitions an update")]
 Gamma = Annotated[float, Field(ge=0, le=1, description="discount a step")]
 RolloutSteps = Annotated[int, Field(ge=1, le=800, description="environment steps a cycle")]
@@ -51,6 +54,7 @@ class DDPGConfig:
     hidden_layers: HiddenLayers = 2
     activation: ActivationName = "tanh"
     placebo: Placebo = "none"
+    match_every: MatchEvery = 1
     batch_size: BatchSize = 64
     actor_rate: float = Field(
         default=1e-4, gt=0, le=1, description="Adam's step size for the actor"
@@ -81,6 +85,7 @@ class TD3Config:
     hidden_layers: HiddenLayers = 2
     activation: ActivationName = "tanh"
     placebo: Placebo = "none"
+    match_every: MatchEvery = 1
     batch_size: BatchSize = 64
     actor_rate: float = Field(
         default=1e-3, gt=0, le=1, description="Adam's step size for the actor"
@@ -117,6 +122,7 @@ class SACConfig:
     hidden_layers: HiddenLayers = 2
     activation: ActivationName = "tanh"
     placebo: Placebo = "none"
+    match_every: MatchEvery = 1
     batch_size: BatchSize = 64
     rate: float = Field(default=3e-4, gt=0, le=1, description="Adam's step size, of every network")
     tau: float = Field(

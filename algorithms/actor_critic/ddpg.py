@@ -192,7 +192,7 @@ def matching_cohort(
     config: DDPGConfig,
 ) -> OffPolicyLearner:
     """A cohort of runs whose critics match gradients by this loss."""
-    matching = matching_of(weights, loss, config.placebo)
+    matching = matching_of(weights, loss, config.placebo, config.match_every)
     terminal = config.time_limit_is_terminal
     return cohort(
         DDPG, environment, seeds, matching, timesteps, config, time_limit_is_terminal=terminal

@@ -98,22 +98,23 @@ def update(
     q_gradient = Parameters(work.fit.theta_gradient, critic_shape)
     fit, decayed = work.fit, decayed_size(critic_shape)
     for u in range(indices.shape[0]):
+        matched = losses.due(matching, done + u)
         replay.draw(memory, indices[u], scaling, work.batch)
         bellman.target_value(
             pi_target, (q_target,), work.batch, rates.gamma, scaling,
             work.actor, (fit.critic,), work.actions, fit.value,
         )  # fmt: skip
-        if losses.is_matched(matching):
+        if losses.is_matched(matched):
             replay.draw_derivatives(
-                memory, indices[u], coordinates, scaling, work.batch, matching.shift
+                memory, indices[u], coordinates, scaling, work.batch, matched.shift
             )
             bellman.target_gradient(
                 pi_target, (q_target,), work.batch, rates.gamma,
                 work.actor, (fit.critic,), work.actions, fit.target,
             )  # fmt: skip
-            losses.blind(matching, fit.target)
+            losses.blind(matched, fit.target)
         report.critic_loss[u], report.gradient_loss[u] = critic.fit(
-            q, work.batch, coordinates, matching, fit, q_gradient
+            q, work.batch, coordinates, matched, fit, q_gradient
         )
         describe(fit.critic.out, fit.value, np.float32(1), scaling, report, u)
         actor_gradient(pi, q, work.batch.x, work.actor, fit.critic, work.actions, pi_gradient)

@@ -189,5 +189,5 @@ def build(
     config: SACConfig,
 ) -> OffPolicyLearner:
     """A cohort of SAC runs; with weights other than 0, of its hybrid."""
-    matching = matching_of(weights, L2, config.placebo)
+    matching = matching_of(weights, L2, config.placebo, config.match_every)
     return cohort(SAC, environment, seeds, matching, timesteps, config)

@@ -186,15 +186,16 @@ def update(
     """
     work = new_work(memory, networks, indices.shape[1], shapes)
     for u in range(indices.shape[0]):
+        matched = losses.due(matching, done + u)
         step = optimizer.corrected(rates.rate, done + u + 1)
         replay.draw(memory, indices[u], scaling, work.batch)
         replay.scale_rewards(work.batch, rates.reward_scale)
-        if losses.is_matched(matching):
+        if losses.is_matched(matched):
             replay.draw_derivatives(
-                memory, indices[u], coordinates, scaling, work.batch, matching.shift
+                memory, indices[u], coordinates, scaling, work.batch, matched.shift
             )
             replay.scale_reward_gradients(work.batch, rates.reward_scale)
-        aim_critics(networks.value, rates.gamma, scaling, matching, work, shapes)
+        aim_critics(networks.value, rates.gamma, scaling, matched, work, shapes)
         q_weight, entropy_weight = weights_of(networks, rates, scaling)
         improve_policy(networks, noise[u], q_weight, entropy_weight, work, shapes)
         report.value_loss[u] = fit_value(networks.value, work, shapes)
@@ -209,7 +210,7 @@ def update(
         critic_size = work.log_pi.dtype.type(0)
         for learned in networks.critics:
             critic_size += fit_critic(
-                learned, coordinates, scaling, matching, step, work, shapes, report, u
+                learned, coordinates, scaling, matched, step, work, shapes, report, u
             )
         optimizer.follow(networks.value, rates.tau)
         lost = finite.first_not_finite((

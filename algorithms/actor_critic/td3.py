@@ -149,6 +149,5 @@ def build(
     config: TD3Config,
 ) -> OffPolicyLearner:
     """A cohort of TD3 runs; with weights other than 0, of its hybrid."""
-    return cohort(
-        TD3, environment, seeds, matching_of(weights, ROBUST, config.placebo), timesteps, config
-    )
+    matching = matching_of(weights, ROBUST, config.placebo, config.match_every)
+    return cohort(TD3, environment, seeds, matching, timesteps, config)

@@ -117,17 +117,18 @@ def update(
     real = work.actions.dtype.type
     actor_norm, actor_size = real(0), real(0)
     for u in range(indices.shape[0]):
+        matched = losses.due(matching, done + u)
         replay.draw(memory, indices[u], scaling, work.batch)
-        if losses.is_matched(matching):
+        if losses.is_matched(matched):
             replay.draw_derivatives(
-                memory, indices[u], coordinates, scaling, work.batch, matching.shift
+                memory, indices[u], coordinates, scaling, work.batch, matched.shift
             )
-        aim(networks, noise[u], rates, scaling, matching, work, shapes)
+        aim(networks, noise[u], rates, scaling, matched, work, shapes)
         step = optimizer.corrected(rates.critic_rate, done + u + 1)
         critic_norm, critic_size = real(0), real(0)
         for learned in networks.critics:
             norm, size = fit_critic(
-                learned, coordinates, scaling, matching, step, work, critic_shape, report, u
+                learned, coordinates, scaling, matched, step, work, critic_shape, report, u
             )
             critic_norm += norm
             critic_size += size
@@ -244,7 +245,7 @@ def gradient_pair(
     replay.draw(memory, indices, scaling, work.batch)
     replay.draw_derivatives(memory, indices, coordinates, scaling, work.batch, 0)
     silence = np.zeros_like(work.actions)
-    matched = Matching(ONE, ONE, matching.loss, 0, True)
+    matched = Matching(ONE, ONE, matching.loss, 0, True, 1)
     aim(networks, silence, rates, scaling, matched, work, shapes)
     first = Parameters(networks.critics[0].theta, shapes[1])
     critic.own_gradient(first, work.batch, coordinates, work.fit)

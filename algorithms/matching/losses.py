@@ -56,16 +56,31 @@ class Matching(NamedTuple):
     """How many rows further the derivatives come from: 0, or 1 for a placebo."""
     is_aimed: bool
     """Whether there is a target, not 0 for a placebo."""
+    every: int
+    """Updates to each one that matches gradients; the others fit values alone."""
 
 
-def matching_of(weights: tuple[float, float], loss: int, placebo: str = "none") -> Matching:
-    """Matching with the weights (w1, w2); a placebo has the cost and no information.
+def matching_of(
+    weights: tuple[float, float], loss: int, placebo: str = "none", every: int = 1
+) -> Matching:
+    """Matching with the weights (w1, w2), in one of `every` updates.
+
+    A placebo has the cost and no information.
 
     With "shuffled", each transition gets the derivatives of another; with "untargeted", the target
     is 0, so that the gradient is only kept small.
     """
     w1, w2 = np.float32(weights[0]), np.float32(weights[1])
-    return Matching(w1, w2, loss, int(placebo == "shuffled"), placebo != "untargeted")
+    return Matching(w1, w2, loss, int(placebo == "shuffled"), placebo != "untargeted", every)
+
+
+@compiled_fast
+def due(matching: Matching, done: int) -> Matching:
+    """The matching of the update that follows `done` others: the given one, or none."""
+    if done % matching.every == 0:
+        return matching
+    none = np.float32(0)
+    return Matching(none, none, matching.loss, matching.shift, matching.is_aimed, matching.every)
 
 
 @compiled_fast

@@ -4,10 +4,13 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import algorithms
+from algorithms import catalogue
+from algorithms.measurement import Measurement
 from physics.environment import Environment
 from tests.physics.small_tasks import Plain
 
@@ -106,3 +109,16 @@ def test_a_task_may_be_an_object(task: Environment | type[Environment]) -> None:
 def test_what_is_no_task_is_refused() -> None:
     with pytest.raises(ValueError, match=r"or an instance of Environment, not 3$"):
         algorithms.build("ddpg", 3, [0])  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", [name for name in WEIGHTS if catalogue.find(name).uses_weights])
+def test_a_hybrid_may_match_in_some_updates_only(name: str) -> None:
+    """The updates between report a gradient loss of 0, and the curve is another one."""
+
+    def trained(config: dict[str, Any]) -> Measurement:
+        *_, last = algorithms.train(name, "MassPoint", [0], WEIGHTS[name], 800, config)
+        return last
+
+    always, seldom = trained({}), trained({"match_every": 25})
+    assert always.return_mean != seldom.return_mean
+    assert 0 < seldom.diagnostics["gradient_loss"] < always.diagnostics["gradient_loss"]

@@ -147,3 +147,29 @@ def test_a_placebo_matches_what_says_nothing(placebo: str) -> None:
     )  # fmt: skip
     assert told == (1, -1)
     assert_stepped(critic, before, loss, q, CRITIC_RATE)
+
+
+def test_of_every_two_updates_one_matches() -> None:
+    where = setting("Pendulum")
+    shapes = shapes_in(where, (16, 16), Tanh())
+    batches = generator(5, "rows").integers(STORED, size=(2, ROWS))
+    rates = Rates(np.float32(GAMMA), np.float32(TAU), ACTOR_RATE, CRITIC_RATE, np.float32(DECAY))
+    thetas = [not_small(shape, where.random) for shape in shapes]
+
+    def updated(*parts: tuple[int, Any, tuple[float, float], int]) -> tuple[Any, Any, Any]:
+        actor, critic = (learned(theta.copy()) for theta in thetas)
+        for done, rows, weights, every in parts:
+            matching, report = matching_of(weights, ROBUST, every=every), empty_report(len(rows))
+            update(
+                actor, critic, done, where.memory, rows, where.coordinates, where.scaling, rates,
+                matching, shapes, report,
+            )  # fmt: skip
+        return actor.theta, critic.theta, report
+
+    *once, report = updated((0, batches, (0.7, 0.3), 2))
+    *apart, _ = updated((0, batches[:1], (0.7, 0.3), 1), (1, batches[1:], (0.0, 0.0), 1))
+    *other_way, _ = updated((1, batches[:1], (0.7, 0.3), 2), (2, batches[1:], (0.7, 0.3), 2))
+    for theta, same, other in zip(once, apart, other_way, strict=True):
+        np.testing.assert_array_equal(theta, same)
+        assert (theta != other).any(), "the count of updates decides, not the place in a cycle"
+    assert report.gradient_loss[0] > report.gradient_loss[1] == 0
