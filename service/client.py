@@ -49,6 +49,7 @@ from service.api.schemas.requests.sweep_request import SweepRequest
 from service.api.schemas.rollout_answer import RolloutAnswer
 from service.api.schemas.run_answer import AttemptAnswer, ListedRunAnswer, RunAnswer
 from service.api.schemas.score_table_answer import ScoreTableAnswer
+from service.api.schemas.search.search_answer import SearchAnswer
 from service.api.schemas.statistics_answer import StatisticsAnswer
 from service.api.schemas.sweep_answer import DryRunAnswer, SweepAnswer, SweepHead
 from service.export.measured_run import MeasuredRun, measured_runs
@@ -509,6 +510,14 @@ class Client:
         """
         return self._get(VerdictAnswer, f"/sweeps/{sweep_id}/verdict")
 
+    def search(self, sweep_id: str) -> SearchAnswer:
+        """How far the entries of a sweep's search have climbed, and which is the best of each task.
+
+        Args:
+            sweep_id: a sweep that searches.
+        """
+        return self._get(SearchAnswer, f"/sweeps/{sweep_id}/search")
+
     def table_text(
         self, sweep_id: str, form: TableText, *, score: Score = "final", normalized: bool = True
     ) -> str:
@@ -736,7 +745,7 @@ def path_of(identifier: str) -> str:
 
 
 def has_ended(sweep: SweepHead) -> bool:
-    """Whether every run of the sweep is final, and its question, if it asks one, settled."""
+    """Whether every run of the sweep is final, and its question or search, if any, settled."""
     return sweep.status in (SweepStatus.FINISHED, SweepStatus.CANCELLED)
 
 

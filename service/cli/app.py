@@ -33,6 +33,7 @@ from service.cli.results.exporting import export, plot, table
 from service.cli.results.policies import policy
 from service.cli.results.rolling import rollout
 from service.cli.results.verifying import verify
+from service.cli.searching import search
 from service.cli.submitting import submit
 from service.cli.terminal import AsJson, console, say
 from service.client import ServiceError, find_token
@@ -47,7 +48,7 @@ app = typer.Typer(
 app.add_typer(db.app)
 app.add_typer(paper.app)
 COMMANDS: tuple[Callable[..., None], ...] = (
-    serve, submit, ls, show, edit, watch, *map(command_of, TRANSITIONS), rm, add, extend,
+    serve, submit, search, ls, show, edit, watch, *map(command_of, TRANSITIONS), rm, add, extend,
     export, table, plot, figure, rollout, policy, diagnose, verify, doctor,
 )  # fmt: skip
 for command in COMMANDS:

@@ -15,6 +15,7 @@ from rich.text import Text
 from service.api.schemas.curves_answer import CurveAnswer
 from service.api.schemas.question.verdict_answer import VerdictAnswer
 from service.api.schemas.run_answer import RunAnswer
+from service.api.schemas.search.search_answer import SearchAnswer
 from service.api.schemas.sweep_answer import SweepAnswer, SweepHead
 from service.cli.identifiers import SweepId
 from service.cli.terminal import AsJson, console, plain, print_json, print_table, say, table_of
@@ -47,8 +48,7 @@ def follow(client: Client, sweep_id: str, console: Console, *, as_json: bool = F
         typer.echo(f"The sweep goes on. Look again: d3pg watch {sweep_id}", err=True)
         raise
     if not as_json:
-        if ended.request.get("question"):
-            say_verdict(client.verdict(ended.id), console)
+        say_findings(client, ended, console)
         for run in _unsuccessful(client, ended):
             say(
                 f"{run.id} {run.label} {run.environment} seed {run.seed}: "
@@ -58,12 +58,30 @@ def follow(client: Client, sweep_id: str, console: Console, *, as_json: bool = F
     return 1 if ended.runs.failed + ended.runs.diverged else 0
 
 
+def say_findings(client: Client, sweep: SweepAnswer, console: Console = console) -> None:
+    """Print what a sweep's question or search has come to, where it has one."""
+    if sweep.request.get("question"):
+        say_verdict(client.verdict(sweep.id), console)
+    if sweep.request.get("search"):
+        say_search(client.search(sweep.id), console)
+
+
+def say_search(found: SearchAnswer, console: Console = console) -> None:
+    """Print what a search has found: a line a task, and what its seeds are not used for."""
+    for task in found.tasks:
+        say(f"{task.environment}: {task.sentence}", console)
+    if found.is_settled:
+        say(found.kept_apart, console)
+
+
 def say_verdict(verdict: VerdictAnswer, console: Console = console) -> None:
     """Print what a question has come to: a line a comparison, and the sentence for a paper."""
     for each in verdict.comparisons:
         say(f"{each.environment}: {each.label} vs {each.against}: {each.sentence}", console)
     if verdict.is_settled:
         say(verdict.paper, console)
+    if verdict.searches:
+        say(verdict.kept_apart, console)
 
 
 def _followed(client: Client, sweep: SweepAnswer, console: Console, as_json: bool) -> SweepAnswer:

@@ -11,7 +11,7 @@ from service.api.schemas.listed_sweep_answer import BestAnswer, ListedSweepAnswe
 from service.api.schemas.page import Page
 from service.api.schemas.run_answer import AttemptAnswer, ListedRunAnswer, RunAnswer
 from service.api.schemas.sweep_answer import SweepAnswer
-from service.cli.following import counts_text, eta_text, say_verdict
+from service.cli.following import counts_text, eta_text, say_findings
 from service.cli.identifiers import (
     Identifier,
     MaybeSweepId,
@@ -148,8 +148,7 @@ def show(identifier: Identifier, as_json: AsJson = False) -> None:
             print_json(sweep)
         else:
             show_sweep(sweep, client.url)
-            if sweep.request.get("question"):
-                say_verdict(client.verdict(sweep.id))
+            say_findings(client, sweep)
 
 
 def show_sweep(sweep: SweepAnswer, url: str) -> None:

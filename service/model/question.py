@@ -8,7 +8,10 @@ them, until each of these comparisons is decided or has `max_seeds`.
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import count, islice
 from typing import Any, Literal, Self
+
+from service.model.tuning_seeds import chooses
 
 Method = Literal["bounded", "normal"]
 
@@ -74,7 +77,10 @@ class Question:
         return 1 + -(-max(self.max_seeds - len(self.first), 0) // self.batch)
 
     def seeds(self, looks: int) -> tuple[int, ...]:
-        """Return the seeds of so many looks together: the first ones, then those that follow."""
+        """Return the seeds of so many looks together: the first ones, then those that follow.
+
+        But those that choose settings.
+        """
         more = min(len(self.first) + (looks - 1) * self.batch, self.max_seeds) - len(self.first)
-        following = max(self.first) + 1
-        return (*self.first, *range(following, following + more))
+        following = (seed for seed in count(max(self.first) + 1) if not chooses(seed))
+        return (*self.first, *islice(following, max(more, 0)))

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
+from service.model.search import Search
+
 
 class SweepStatus(StrEnum):
     """Follows from the statuses of the runs."""
@@ -12,11 +14,11 @@ class SweepStatus(StrEnum):
     QUEUED = "queued"
     """No run has been claimed yet."""
     RUNNING = "running"
-    """Some run is not final, or its question is open."""
+    """Some run is not final, or its question or search is open."""
     PAUSED = "paused"
     """None of its runs is started; those that are running go on to their end."""
     FINISHED = "finished"
-    """Every run is final, and no question is open."""
+    """Every run is final, and no question or search is open."""
     CANCELLED = "cancelled"
     """Every run is final, and the sweep was cancelled before they all ended by themselves."""
 
@@ -60,7 +62,8 @@ class Sweep:
     progress     share of the asked timesteps that is done; a run that reached its end counts whole,
                  any other as far as it got
     eta_seconds  time left at the pace since the first claim; None while there is no pace or a pause
-    is_asking    its question is open: runs may still be added
+    is_asking    its question or search is open: runs may still be added, or go on
+    search       as it was planned; None: it does not search
     """
 
     id: str
@@ -74,6 +77,7 @@ class Sweep:
     progress: float
     eta_seconds: float | None
     is_asking: bool
+    search: Search | None
     notes: str
     tags: tuple[str, ...]
     archived: bool

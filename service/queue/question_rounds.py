@@ -1,8 +1,9 @@
-"""The rounds of questions: after each batch, the next one, until the question is answered.
+"""The rounds of questions and searches: after each batch, the next one, until there is an answer.
 
 The next batch is a pure function of the runs that have ended (`service/analysis/question`). Nothing
 is remembered here: a service that is killed at any moment asks for the same seeds again, and the
-store writes them once (`service/store/claiming/question_batches.py`).
+store writes them once (`service/store/claiming/question_batches.py`). Searches climb in
+`service/queue/search_rounds.py`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,6 +15,7 @@ from service.model.question import Question
 from service.model.request.entry import Entries
 from service.model.sweep import Sweep
 from service.queue.rounds import Rounds
+from service.queue.search_rounds import next_rung
 from service.store.claiming.question_batches import Cell
 from service.store.store import Store
 
@@ -31,18 +33,23 @@ class QuestionRounds(Rounds):
         self._store = store
 
     def work(self) -> bool:
-        """Look at every question whose batch has ended."""
+        """Look at every question and search whose batch has ended."""
         look_at_all(self._store)
         return False
 
 
 def look_at_all(store: Store) -> int:
-    """Look at every question whose batch has ended; return how many runs were added."""
+    """Look at all whose batch or rung has ended; return how many runs were added, or go on."""
     return sum(look(store, sweep_id) for sweep_id in store.waiting_questions())
 
 
 def look(store: Store, sweep_id: str) -> int:
-    """Ask for a question's next batch, or settle it; return how many runs were added."""
+    """Write the next batch or rung, or settle the sweep; return how many runs it has."""
+    sweep = store.find_sweep(sweep_id)
+    if sweep is None:  # it was deleted meanwhile
+        return 0
+    if sweep.search is not None:
+        return store.go_on_searching(sweep_id, *next_rung(store, sweep, sweep.search))
     return store.go_on_asking(sweep_id, *next_batch(store, sweep_id))
 
 

@@ -34,6 +34,7 @@ from service.store.claiming import (
     growth,
     question_batches,
     run_moves,
+    search_rungs,
     sweep_edits,
     sweep_moves,
     webhooks,
@@ -178,6 +179,8 @@ class Store:
     attempts = _reads(runs.history)
     waiting_questions = _reads(question_batches.waiting)
     go_on_asking = _writes(question_batches.go_on)
+    go_on_searching = _writes(search_rungs.go_on)
+    list_searches = _reads(sweeps.searches)
 
     # ---- the queue
 

@@ -65,7 +65,8 @@ sweeps = Table(
     Column("cancelled_at", Double),
     Column("paused_at", Double),
     Column("submission_key", Text, unique=True, index=True),
-    Column("question", Text),  # "open" or "settled"; NULL: it asks none
+    Column("question", Text),  # "open" or "settled", or the search; NULL: it asks and searches none
+    Column("search", Document),  # as it was planned; NULL: it does not search
     Column("notes", Text, nullable=False, default="", server_default=""),
     Column("archived_at", Double),
     Column("deleted_at", Double),  # nobody sees it any more; its rows and files go bit by bit

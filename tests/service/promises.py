@@ -7,7 +7,7 @@ are looked at in the store.
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 from sqlalchemy import Engine
 
@@ -17,11 +17,17 @@ from service.model.question import Question
 from service.model.run import FINAL, RunStatus
 from service.model.run_name import RunName
 from service.queue.question_rounds import next_batch
+from service.queue.search_rounds import next_rung
 from service.store.store import Store
 from tests.service.fake_pool import CYCLE, measurement_of
 
-AGAIN = {("retry", RunStatus.FAILED), ("uncancel", RunStatus.CANCELLED)}
-"""What users may have begun again of what has ended."""
+Asked = Move | Literal["climb"]
+AGAIN = {
+    ("retry", RunStatus.FAILED),
+    ("uncancel", RunStatus.CANCELLED),
+    ("climb", RunStatus.SUCCEEDED),
+}
+"""What users may have begun again of what has ended, and what goes on to the next rung."""
 
 
 @dataclass
@@ -29,6 +35,7 @@ class Model:
     """What must be so of a run."""
 
     seed: int
+    timesteps: int
     status: str = RunStatus.QUEUED
     attempt: int = 0
     measured: set[int] = field(default_factory=set)
@@ -68,8 +75,20 @@ class Promises:
         fresh = [run for run in listed if run.id not in self.models]
         expected = RunStatus.PAUSED if sweep_id in self.paused else RunStatus.QUEUED
         assert all(run.status == expected for run in fresh)
-        self.models |= {run.id: Model(run.spec.seed, run.status) for run in fresh}
+        self.models |= {
+            run.id: Model(run.spec.seed, run.spec.timesteps, run.status) for run in fresh
+        }
         return len(fresh)
+
+    def climb(self, sweep_id: str) -> int:
+        """Take in the timesteps that runs of a sweep have got; return how many. None has fewer."""
+        longer = 0
+        for run in self.store.list_runs(sweep_id, limit=1000):
+            model = self.models[run.id]
+            assert run.spec.timesteps >= model.timesteps
+            longer += run.spec.timesteps > model.timesteps
+            model.timesteps = run.spec.timesteps
+        return longer
 
     # ---- which runs a change may touch
 
@@ -97,7 +116,7 @@ class Promises:
         return {name for name in self.models if sweep_of(name) == sweep_id}
 
     @contextmanager
-    def touching(self, runs: Collection[str], *, asked: Move | None = None) -> Iterator[None]:
+    def touching(self, runs: Collection[str], *, asked: Asked | None = None) -> Iterator[None]:
         """Change the store: events are of these runs alone, and the others keep their leases."""
         before = self.leases()
         yield
@@ -114,7 +133,7 @@ class Promises:
         for name in before.keys() - set(runs):
             assert after.get(name) == before[name], f"the lease of {name} was changed"
 
-    def _check_move(self, name: str, payload: Mapping[str, Any], asked: Move | None) -> None:
+    def _check_move(self, name: str, payload: Mapping[str, Any], asked: Asked | None) -> None:
         """Final states never change, and an attempt is opened by a claim alone.
 
         An event that finds a run running tells more of its attempt: where it was taken up.
@@ -151,7 +170,7 @@ class Promises:
         steps = [CYCLE * (index + 1) for index in range(len(points))]
         assert points == [measurement_of(model.seed, timestep) for timestep in steps]
         if model.status == RunStatus.SUCCEEDED:
-            assert len(points) == self.timesteps // CYCLE
+            assert len(points) == model.timesteps // CYCLE
         if model.status == RunStatus.DIVERGED:
             assert model.seed in self.diverging
             assert len(points) == 1
@@ -177,6 +196,20 @@ class Promises:
             looks = range(1, question.looks + 1)
             assert tuple(seeds[0]) in [question.seeds(look) for look in looks]
             assert next_batch(self.store, sweep.id)[1] == {} or sweep.id in self.cancelled
+
+    def check_searches(self) -> None:
+        """A search that was not cancelled is settled: no entry lacks a rung that it is to climb."""
+        for sweep in self.store.list_sweeps(limit=10_000):
+            if sweep.search is None:
+                continue
+            assert not sweep.is_asking
+            has: dict[tuple[str, int], set[int]] = {}
+            for run in self.store.list_runs(sweep.id, limit=1000):
+                has.setdefault((run.spec.environment, run.entry), set()).add(run.spec.timesteps)
+            lengths = {rung.timesteps for rung in sweep.search.rungs["Pendulum"]}
+            assert all(len(each) == 1 and each <= lengths for each in has.values())
+            for cell, timesteps in next_rung(self.store, sweep, sweep.search)[1].items():
+                assert has[cell] == {timesteps} or sweep.id in self.cancelled
 
 
 def sweep_of(run_id: str) -> str:

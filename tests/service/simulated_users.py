@@ -6,9 +6,10 @@ from typing import Any
 
 from service.model.move import Move
 from service.model.run import FINAL, RunStatus
+from service.model.search import Search, rungs_of
 from service.store.refusal import ImpossibleMoveError, NotFoundError
 from tests.service.promises import Promises, sweep_of
-from workers.messages.run_spec import RunSpec
+from workers.messages.run_spec import NO_WEIGHTS, RunSpec
 
 MOST_ACTIVE = 12
 QUESTION: dict[str, Any] = {
@@ -20,6 +21,13 @@ QUESTION: dict[str, Any] = {
         "batch": 2, "max_seeds": 10,
     },
 }  # fmt: skip
+
+SEARCH: dict[str, Any] = {
+    "algorithms": [{"name": "ddpg", "config": {"noise": [0.1, 0.2, 0.3, 0.4, 0.5]}}],
+    "environments": ["Pendulum"],
+    "seeds": 2,
+    "search": {"budget": 10**6, "reduction": 2},
+}
 
 
 class SimulatedUsers:
@@ -54,6 +62,26 @@ class SimulatedUsers:
         sweep = self.store.create_sweep(
             "x", 0, QUESTION, specs, entries=[0, 0, 1, 1], environment_versions={"Pendulum": 1}
         )
+        self.promises.add(sweep.id)
+        return True
+
+    def search(self) -> bool:
+        """A sweep whose best entries are given timesteps; now and then its code raises."""
+        if self.promises.active > MOST_ACTIVE:
+            return False
+        rungs = rungs_of(5, self.promises.timesteps, 2)
+        seeds = (3, 6, *([min(self.raising)] if self.random.random() < 0.2 else []))
+        search = Search(10**6, 2, "final", seeds, {"Pendulum": rungs})
+        specs = [
+            RunSpec("ddpg", "Pendulum", seed, NO_WEIGHTS, rungs[0].timesteps, {"noise": noise})
+            for noise in SEARCH["algorithms"][0]["config"]["noise"]
+            for seed in search.seeds
+        ]
+        places = [place for place in range(5) for _ in search.seeds]
+        sweep = self.store.create_sweep(
+            "x", 0, SEARCH, specs, entries=places, environment_versions={"Pendulum": 1},
+            search=search,
+        )  # fmt: skip
         self.promises.add(sweep.id)
         return True
 

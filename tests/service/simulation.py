@@ -12,6 +12,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
+from service.model.search import Search
 from service.queue.batch import next_together
 from service.queue.dispatch_state import DispatchTimes, State
 from service.queue.messages import (
@@ -39,6 +40,7 @@ from service.queue.messages import (
 )
 from service.queue.question_rounds import Batch, next_batch
 from service.queue.scheduler import step
+from service.queue.search_rounds import Rung, next_rung
 from service.store.claiming.retry import RetryPolicy
 from service.store.store import Store
 from tests.service.fake_pool import CYCLE, FakeWorker
@@ -46,6 +48,7 @@ from tests.service.memory_database import in_memory
 from tests.service.promises import Promises
 from tests.service.simulated_users import SimulatedUsers
 from workers.messages.progress import Progress
+from workers.messages.random_return import RandomReturn
 from workers.messages.report import (
     Busy,
     Capacity,
@@ -110,6 +113,7 @@ class Simulation:
         self.now = 1000.0
         self.engine = in_memory(lambda: self.now)
         self.store = Store(self.engine, self.engine, RETRY)
+        self.store.record_random_return(RandomReturn("Pendulum", 1, -1.0, -2.0, 0.0, 1000))
         self.state = State()
         self.commands: deque[Command] = deque()
         self.workers: dict[str, SimulatedWorker] = {}
@@ -124,6 +128,7 @@ class Simulation:
         self.delivered: deque[Report] = deque(maxlen=50)
         self.story: deque[str] = deque(maxlen=40)
         self.looks: deque[tuple[str, int, Batch]] = deque(maxlen=5)
+        self.climbs: deque[tuple[str, int, Rung]] = deque(maxlen=5)
         self.users = SimulatedUsers(self.promises, self.random, RAISING, self.tell)
 
     def close(self) -> None:
@@ -140,6 +145,8 @@ class Simulation:
             (self.users.submit, 4),
             (self.users.ask_question, 1),
             (self.look, 4),
+            (self.users.search, 0.7),
+            (self.climb, 4),
             (self.beat, 4),
             (self.users.move_run, 2),
             (self.users.cancel_sweep, 0.4),
@@ -188,8 +195,10 @@ class Simulation:
             self.tick()
             self.finish_commands()
             self.look()
+            self.climb()
         self.promises.check_counts()
         self.promises.check_questions()
+        self.promises.check_searches()
         for name in self.models:
             self.promises.check_curve(name)
 
@@ -309,7 +318,7 @@ class Simulation:
         It is killed before it writes, or after: then it writes the same once more. Or it was held
         up, and writes later.
         """
-        waiting = self.store.waiting_questions()
+        waiting = [each for each in self.store.waiting_questions() if not self.search_of(each)]
         if waiting:
             sweep_id = self.random.choice(waiting)
             self.looks.append((sweep_id, *next_batch(self.store, sweep_id)))
@@ -325,6 +334,38 @@ class Simulation:
         assert self.store.find_sweep(sweep_id) is None or self.promises.add(sweep_id) == added
         self.tell(f"sweep {sweep_id} had {seen} runs: {added} were added")
         return True
+
+    def climb(self) -> bool:
+        """As `look`, at a search whose rung has ended."""
+        waiting = [each for each in self.store.waiting_questions() if self.search_of(each)]
+        if waiting:
+            sweep_id = self.random.choice(waiting)
+            self.climbs.append((sweep_id, *self.next_rung(sweep_id)))
+        if not self.climbs or self.random.random() < 0.3:
+            return bool(waiting)
+        sweep_id, seen, rung = self.random.choice(self.climbs)
+        is_current = sweep_id in waiting and self.next_rung(sweep_id) == (seen, rung)
+        short = {
+            run.id
+            for run in self.store.list_runs(sweep_id, limit=1000)
+            if run.spec.timesteps < rung.get((run.spec.environment, run.entry), 0)
+        }
+        with self.promises.touching(short if is_current else set(), asked="climb"):
+            longer = self.store.go_on_searching(sweep_id, seen, rung)
+        assert longer == (len(short) if is_current else 0)
+        assert self.store.find_sweep(sweep_id) is None or self.promises.climb(sweep_id) == longer
+        self.tell(f"search {sweep_id} had {seen} timesteps: {longer} runs go on")
+        return True
+
+    def search_of(self, sweep_id: str) -> Search | None:
+        """What a sweep searches."""
+        return self.store.get_sweep(sweep_id).search
+
+    def next_rung(self, sweep_id: str) -> tuple[int, Rung]:
+        """What a search that is there would be given."""
+        sweep = self.store.get_sweep(sweep_id)
+        assert sweep.search is not None
+        return next_rung(self.store, sweep, sweep.search)
 
     def start_pool(self) -> PoolLost | None:
         if self.cluster_is_gone:

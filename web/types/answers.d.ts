@@ -22,6 +22,8 @@ declare namespace Api {
   type Run = Schemas["RunAnswer"];
   type RunStatus = Schemas["RunStatus"];
   type ScoreTable = Schemas["ScoreTableAnswer"];
+  type Search = Schemas["SearchAnswer"];
+  type SearchedTask = Schemas["SearchedTask"];
   type Statistics = Schemas["StatisticsAnswer"];
   type Surface = Schemas["SurfaceAnswer"];
   type Sweep = Schemas["SweepAnswer"];

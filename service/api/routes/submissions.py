@@ -56,7 +56,7 @@ def submit_sweep(
     planned = plan(request, worker_memory)
     if dry_run:
         past = store.past_costs(planned.algorithms, planned.environment_versions)
-        costs = cell_costs(planned.cells, len(planned.seeds), past)
+        costs = cell_costs(planned.costed, len(planned.seeds), past)
         answer = DryRunAnswer.of(planned, costs, len(workforce.workers))
         return JSONResponse(answer.model_dump(mode="json"))
     try:
@@ -72,6 +72,7 @@ def submit_sweep(
             webhook=request.webhook,
             environment_versions=planned.environment_versions,
             submission_key=idempotency_key,
+            search=planned.search,
         )
     except SubmissionKeyReusedError as refusal:
         raise InvalidRequest([Fault("Idempotency-Key", str(refusal))]) from refusal

@@ -34,7 +34,8 @@ def check_seeds(sweep: Sweep, cells: Sequence[Cell], seeds: Sequence[int]) -> No
 def plan_entries(sweep: Sweep, algorithms: Sequence[Json], worker_memory: int) -> Plan:
     """Return the plan of the new entries alone. Raises InvalidRequest."""
     first_item, first_place = len(sweep.request["algorithms"]), len(Entries(sweep.request).all)
-    merged = SweepRequest.model_validate(with_algorithms(sweep.request, algorithms))
+    posted = {name: value for name, value in sweep.request.items() if name != "search"}
+    merged = SweepRequest.model_validate(with_algorithms(posted, algorithms))
     try:
         whole = plan(merged, worker_memory)
     except InvalidRequest as refusal:

@@ -11,6 +11,12 @@ from service.api.submission.grid_faults import zip_faults
 from service.api.submission.memory import memory_faults
 from service.api.submission.question_faults import question_faults, question_notices
 from service.api.submission.same_curve import notices, repetition_faults
+from service.api.submission.search_plan import (
+    first_rung,
+    planned_search,
+    search_faults,
+    search_notices,
+)
 from service.model.question import Question
 from service.model.request.entry import Entries, Entry, Json
 from service.model.request.plan import Plan
@@ -27,7 +33,9 @@ def plan(request: SweepRequest, worker_memory: int) -> Plan:
     posted = request.model_dump(mode="json", exclude_unset=True)
     _refuse(_grid_faults(request, posted))
     question = Question.of(posted)
-    seeds = range(request.seeds) if isinstance(request.seeds, int) else tuple(request.seeds)
+    seeds: Sequence[int] = (
+        range(request.seeds) if isinstance(request.seeds, int) else tuple(request.seeds)
+    )
     entries = Entries(posted)
     cells = [
         (entry, _spec(entry, environment, request, seeds[0]))
@@ -40,14 +48,21 @@ def plan(request: SweepRequest, worker_memory: int) -> Plan:
             *repetition_faults(cells),
             *label_faults(request, entries.all),
             *question_faults(question, entries),
+            *search_faults(request, cells),
         ]
     )
     _refuse(list(memory_faults(cells, worker_memory)))
+    search = planned_search(request, cells)
     return Plan(
-        cells=tuple(spec for _, spec in cells),
+        cells=tuple(spec for _, spec in first_rung(cells, search)),
         entries=tuple(entry for entry, _ in cells),
-        seeds=seeds,
-        notices=(*notices(cells), *question_notices(question, entries)),
+        seeds=seeds if search is None else search.seeds,
+        notices=(
+            *notices(cells),
+            *question_notices(question, entries),
+            *search_notices(search),
+        ),
+        search=search,
     )
 
 

@@ -10,6 +10,7 @@ from service.api.refusals.problems import Fault, printable
 from service.api.schemas.requests.sweep_request import MAX_RUNS, MAX_SEED
 from service.model.question import Question
 from service.model.request.entry import Entries
+from service.model.tuning_seeds import PRESETS, SEARCHES, chooses, seeds_text
 
 SMALL_CLIP = 0.25
 MAX_LOOKS = 200
@@ -20,6 +21,13 @@ def question_faults(question: Question | None, entries: Entries) -> Iterator[Fau
     if question is None:
         return
     yield from _label_faults(question, entries)
+    if chosen := [seed for seed in question.first if chooses(seed)]:
+        message = (
+            f"{chosen[0]:,} chose settings, so a question does not count it: give a list without "
+            f"the seeds {seeds_text(PRESETS)} (of the presets) and {seeds_text(SEARCHES)} (of "
+            "searches)"
+        )
+        yield Fault("seeds", message)
     if question.margin >= question.clip:
         message = f"is to be below question.clip ({question.clip:g}): no difference counts as more"
         yield Fault("question.margin", message, question.clip)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 from service.model.environment import environment_facts
 from service.model.request.entry import Entry
+from service.model.search import Search
 from workers.messages.run_spec import RunSpec
 
 
@@ -16,12 +17,14 @@ class Plan:
     entries  what the cells are of
     seeds    of every cell
     notices  what whoever submits it should know
+    search   that it is to make; its cells are as long as on the first rung
     """
 
     cells: tuple[RunSpec, ...]
     entries: tuple[Entry, ...]
     seeds: Sequence[int]
     notices: tuple[str, ...]
+    search: Search | None = None
 
     @property
     def runs(self) -> int:
@@ -31,7 +34,17 @@ class Plan:
     @property
     def timesteps(self) -> int:
         """Environment steps of all runs together."""
+        if self.search is not None:
+            return self.search.timesteps
         return sum(cell.timesteps for cell in self.cells) * len(self.seeds)
+
+    @property
+    def costed(self) -> tuple[RunSpec, ...]:
+        """The cells with the timesteps that their runs come to; in a search, on average."""
+        begun = sum(cell.timesteps for cell in self.cells) * len(self.seeds)
+        return tuple(
+            replace(cell, timesteps=cell.timesteps * self.timesteps // begun) for cell in self.cells
+        )
 
     @property
     def algorithms(self) -> frozenset[str]:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from sqlalchemy import Connection, Row, delete, func, insert, select, update
+from sqlalchemy import ColumnElement, Connection, Row, delete, func, insert, select, update
 
 from algorithms.measurement import MEASURE_EVERY
 from service.model.request.growth import with_seeds, with_timesteps
@@ -105,14 +105,24 @@ def extend(
     _refuse_other_versions(own, version)
     if all(cell.spec.timesteps == timesteps for cell in own):
         return sweep
-    of_sweep = runs.c.sweep_number == row.number
-    numbers = select(runs.c.number).where(of_sweep)
+    lengthen(connection, row, runs.c.sweep_number == row.number, timesteps, "more timesteps")
+    return _grown(connection, row, with_timesteps(seen, timesteps), "extended")
+
+
+def lengthen(
+    connection: Connection,
+    row: Row[Any],
+    condition: ColumnElement[bool],
+    timesteps: int,
+    reason: str,
+) -> None:
+    """Give runs of a sweep more timesteps; those that reached their end are queued again."""
+    numbers = select(runs.c.number).where(condition)
     off_grid = measurements.c.timestep % MEASURE_EVERY != 0  # of an end that is none any more
     connection.execute(delete(measurements).where(measurements.c.run_number.in_(numbers), off_grid))
-    connection.execute(update(runs).where(of_sweep).values(timesteps=timesteps))
-    again = {"score": None, "kept_bytes": None, **AGAIN, **_waiting(row, "more timesteps")}
-    change(connection, of_sweep & (runs.c.status == RunStatus.SUCCEEDED), again)
-    return _grown(connection, row, with_timesteps(seen, timesteps), "extended")
+    again = {"score": None, "kept_bytes": None, **AGAIN, **_waiting(row, reason)}
+    change(connection, condition & (runs.c.status == RunStatus.SUCCEEDED), again)
+    connection.execute(update(runs).where(condition).values(timesteps=timesteps))
 
 
 def _open(connection: Connection, sweep_id: str, seen: Json) -> Row[Any]:
@@ -122,8 +132,9 @@ def _open(connection: Connection, sweep_id: str, seen: Json) -> Row[Any]:
         raise ImpossibleMoveError(f"sweep {sweep_id} was cancelled: uncancel it first")
     row = connection.execute(select(sweeps).where(named(sweep_id))).one()
     if row.question is not None:
+        does = "asks a question" if row.search is None else "searches"
         raise ImpossibleMoveError(
-            f"sweep {sweep_id} asks a question, which says what runs it gets: submit another sweep"
+            f"sweep {sweep_id} {does}, which says what runs it gets: submit another sweep"
         )
     if row.request != seen:
         raise ImpossibleMoveError(f"sweep {sweep_id} was changed meanwhile: look again")

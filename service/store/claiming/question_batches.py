@@ -25,7 +25,7 @@ COPIED = (
 
 
 def waiting(connection: Connection) -> list[str]:
-    """Return the sweeps whose question is open and whose runs have all ended."""
+    """Return the sweeps whose question or search is open and whose runs have all ended."""
     query = select(sweeps.c.id).where(_waits()).order_by(sweeps.c.number)
     return list(connection.scalars(query))
 
@@ -44,20 +44,32 @@ def go_on(
     Returns:
         The number of runs that were added.
     """
-    query = select(sweeps).where(_waits(), sweeps.c.id == sweep_id)
-    sweep = connection.execute(query).one_or_none()
-    own = runs.c.sweep_number == (-1 if sweep is None else sweep.number)
-    if sweep is None or connection.scalar(select(func.count()).where(own)) != seen:
+    sweep = waiting_sweep(connection, sweep_id)
+    if sweep is None:
+        return 0
+    own = runs.c.sweep_number == sweep.number
+    if connection.scalar(select(func.count()).where(own)) != seen:
         return 0
     added = _rows(connection, own, sweep, batch)
     if added:
         connection.execute(insert(runs), added)
-    else:
+    close_round(connection, sweep, has_more=bool(added))
+    return len(added)
+
+
+def waiting_sweep(connection: Connection, sweep_id: str) -> Row[Any] | None:
+    """Return the row of a sweep that waits for its next round; None where it does not."""
+    query = select(sweeps).where(_waits(), sweeps.c.id == sweep_id)
+    return connection.execute(query).one_or_none()
+
+
+def close_round(connection: Connection, sweep: Row[Any], *, has_more: bool) -> None:
+    """Say that a sweep was given more to train, or settle it."""
+    if not has_more:
         settled = update(sweeps).where(sweeps.c.number == sweep.number)
         connection.execute(settled.values(question="settled"))
-    change = "extended" if added else "answered"
+    change = "extended" if has_more else "answered"
     events.append(connection, [events.sweep_changed(sweep.number, sweep.id, change)])
-    return len(added)
 
 
 def _waits() -> ColumnElement[bool]:

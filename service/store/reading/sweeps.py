@@ -17,6 +17,7 @@ from sqlalchemy import (
 )
 
 from service.model.run import ACTIVE, RunStatus
+from service.model.search import Search
 from service.model.sweep import RunCounts, Sweep, SweepStatus
 from service.store.column_types import now
 from service.store.reading import events, random_returns, sweep_names
@@ -42,6 +43,7 @@ def create(
     webhook: str | None = None,
     environment_versions: Mapping[str, int],
     submission_key: str | None = None,
+    search: Search | None = None,
 ) -> Sweep:
     """Write a sweep and its runs, which are numbered in the order of the specs.
 
@@ -62,7 +64,8 @@ def create(
         priority=priority,
         request=request,
         submission_key=submission_key,
-        question="open" if request.get("question") else None,
+        question="open" if request.get("question") or search else None,
+        search=None if search is None else search.document,
         notes=notes,
         max_workers=max_workers,
         webhook=webhook,
@@ -168,6 +171,12 @@ def page(
     return [_sweep(row, tags) for row in connection.execute(query)]
 
 
+def searches(connection: Connection) -> list[Sweep]:
+    """Return the sweeps that search, the oldest first."""
+    query = _summaries(is_there & sweeps.c.search.is_not(None)).order_by(sweeps.c.number)
+    return [_sweep(row, {}) for row in connection.execute(query)]
+
+
 def _summaries(condition: ColumnElement[bool]) -> Select[Any]:
     """Sweeps with what their runs add up to."""
     counts = [
@@ -194,19 +203,23 @@ def _summaries(condition: ColumnElement[bool]) -> Select[Any]:
 
 def _sweep(row: Row[Any], tags: Mapping[int, Sequence[str]]) -> Sweep:
     counts = RunCounts(**{status.value: getattr(row, status.value) for status in RunStatus})
-    eta = None
     is_asking = row.question == "open" and row.cancelled_at is None
-    if counts.active == 0:
+    search = Search.of(row.search)
+    # The rungs to come are known; the batches of a question are not.
+    to_come = max(search.timesteps - row.asked, 0) if search and is_asking else 0
+    eta = None
+    if counts.active == 0 and not to_come:
         eta = None if is_asking else 0.0
     elif row.started_at is not None and row.done > 0 and counts.paused == 0:
-        eta = (row.clock - row.started_at) * float(row.left) / float(row.done)
+        eta = (row.clock - row.started_at) * float(row.left + to_come) / float(row.done)
     return noun_of(
         Sweep,
         row,
         status=_status(counts, row, is_asking=is_asking),
         is_asking=is_asking,
+        search=search,
         runs=counts,
-        progress=float(row.done) / float(row.asked),
+        progress=float(row.done) / float(row.asked + to_come),
         eta_seconds=eta,
         tags=tuple(tags.get(row.number, ())),
         archived=row.archived_at is not None,

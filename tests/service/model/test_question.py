@@ -17,13 +17,20 @@ def test_a_question_is_read_off_its_request() -> None:
 
 
 def test_further_seeds_follow_the_first_ones() -> None:
-    question = Question((100, 7), ("h",), "ddpg", batch=3, max_seeds=6)
+    question = Question((200, 7), ("h",), "ddpg", batch=3, max_seeds=6)
     assert question.looks == 3
     assert [question.seeds(look) for look in (1, 2, 3)] == [
-        (100, 7),
-        (100, 7, 101, 102, 103),
-        (100, 7, 101, 102, 103, 104),
+        (200, 7),
+        (200, 7, 201, 202, 203),
+        (200, 7, 201, 202, 203, 204),
     ]
+
+
+def test_seeds_that_chose_settings_are_passed_over() -> None:
+    question = Question(tuple(range(98)), ("h",), "ddpg", batch=4, max_seeds=104)
+    assert question.seeds(3)[98:] == (98, 99, 116, 117, 118, 119)
+    at_searches = Question((999_999_998,), ("h",), "ddpg", batch=2, max_seeds=3)
+    assert at_searches.seeds(2) == (999_999_998, 999_999_999, 1_000_010_000)
 
 
 def test_more_first_seeds_than_the_budget_are_one_look() -> None:

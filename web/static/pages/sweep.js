@@ -12,6 +12,7 @@ import { Controls } from "../parts/controls.js";
 import { at, setText } from "../parts/element.js";
 import { COMPARISON_FIELDS, flag, oneOf, text, View } from "../parts/view.js";
 import { DoneNotice } from "../sweep/done_notice.js";
+import { Search } from "../question/search.js";
 import { Verdict } from "../question/verdict.js";
 import { FigureBuilder } from "../sweep/figure_builder.js";
 import { FIGURE_FIELDS } from "../sweep/figure_query.js";
@@ -67,6 +68,8 @@ const scores = new ScoreTable(
 const statistics = new Statistics(id, view, entries, () => refreshStatistics.hurry());
 const verdict = new Verdict(id, entries);
 const refreshVerdict = new Refresh((signal) => verdict.load(signal), { interval: 5000, onError });
+const search = new Search(id, entries);
+const refreshSearch = new Refresh((signal) => search.load(signal), { interval: 5000, onError });
 const diagnosis = new DiagnosisSection(`/sweeps/${id}`, () => refreshDiagnosis.hurry());
 const refreshDiagnosis = new Refresh((signal) => diagnosis.load(signal), {
   interval: 2000,
@@ -77,7 +80,7 @@ const stream = follow(id, (kind) => {
   if (kind !== "measurements") requestDiagnosis();
   if (kind === "diagnosis") return;
   refreshSweep.request();
-  requestVerdict();
+  requestFindings();
   notice.changed();
   if (kind === "run") return;
   refreshCurves.request();
@@ -99,14 +102,15 @@ async function loadSweep(signal) {
   if (head.sweep !== null) notice.offer(head.sweep);
   if (!isFirst || head.sweep === null) return;
   draw();
-  requestVerdict();
+  requestFindings();
   requestRest();
   figures.show(head.sweep.links);
 }
 
-/** What the sweep is asked, if it is. */
-function requestVerdict() {
+/** What the sweep is asked, or searches, if it does. */
+function requestFindings() {
   if (head.sweep?.request.question) refreshVerdict.request();
+  if (head.sweep?.request.search) refreshSearch.request();
 }
 
 /** What lies below the curves, and waits for them: the service would answer all at once, slower. */
@@ -181,5 +185,5 @@ async function copyLink() {
 function hideAll() {
   stream.close();
   at("curves").hidden = at("scores").hidden = at("statistics").hidden = true;
-  at("verdict").hidden = at("diagnosis").hidden = at("settings-maps").hidden = true;
+  at("verdict").hidden = at("search").hidden = at("diagnosis").hidden = at("settings-maps").hidden = true;
 }

@@ -13,16 +13,19 @@ export function summary(sweep) {
   const { environments, seeds = 0, timesteps, scale = 1 } = sweep.request;
   if (!Array.isArray(environments)) return "";
   const entries = sweep.entries.length;
+  const parts = [counted(entries, "learner"), counted(environments.length, "environment")];
+  const steps = timesteps ? `, ${count(timesteps)} timesteps` : "";
+  const shares = [scale].flat().map((each) => number(100 * each));
+  const share = scale === 1 ? "" : `, ${shares.join(" and ")} % of the timesteps`;
+  if (sweep.request.search) {
+    return `search among ${parts.join(" × ")}, ${counted(sweep.runs.total, "run")}${steps}${share}`;
+  }
   const repeats = Array.isArray(seeds) ? seeds.length : seeds;
   const curves = sweep.runs.total / repeats;
-  const parts = [counted(entries, "learner"), counted(environments.length, "environment")];
   const isAsked = Boolean(sweep.request.question); // then it gets as many seeds as that takes
   const of = counted(repeats, "seed") + (isAsked ? " or more" : "");
   const isWhole = isAsked || curves === entries * environments.length;
   const product = isWhole ? parts.join(" × ") : `${parts.join(" in ")}: ${counted(curves, "curve")}`;
-  const steps = timesteps ? `, ${count(timesteps)} timesteps` : "";
-  const shares = [scale].flat().map((each) => number(100 * each));
-  const share = scale === 1 ? "" : `, ${shares.join(" and ")} % of the timesteps`;
   return `${product} × ${of}${steps}${share}`;
 }
 

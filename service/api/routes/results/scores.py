@@ -1,4 +1,4 @@
-"""What the runs of a sweep have reached: the table, the statistics, the verdict on its question."""
+"""What the runs of a sweep have reached: the table, the statistics, its verdict, its search."""
 
 from collections.abc import Sequence
 from typing import Annotated, Literal
@@ -23,12 +23,14 @@ from service.api.schemas.measured.scores_answer import ScoresAnswer
 from service.api.schemas.question.verdict_answer import VerdictAnswer
 from service.api.schemas.requests.texts import Text
 from service.api.schemas.score_table_answer import ScoreTableAnswer, score_table_csv
+from service.api.schemas.search.search_answer import SearchAnswer
 from service.api.schemas.statistics_answer import StatisticsAnswer
 from service.model.environment import best_return
 from service.model.question import Question
 from service.model.request.entry import Entries
 from service.model.sweep import Sweep
 from service.queue.question_rounds import pairs_of
+from service.queue.search_rounds import ladders_of, searches_that_tried
 from service.store.store import Store
 
 router = APIRouter(prefix="/sweeps/{sweep_id}", tags=["curves"], route_class=RevalidatedRoute)
@@ -145,7 +147,18 @@ def get_verdict(sweep: TheSweep, store: TheStore) -> VerdictAnswer:
     if question is None:
         raise NotFound(f"Sweep {sweep.id} asks no question: submit one with `question`.")
     found = verdict(pairs_of(store, sweep, question), question)
-    return VerdictAnswer.of(sweep.id, found, is_settled=not sweep.is_asking)
+    chosen = searches_that_tried(store, sweep)
+    return VerdictAnswer.of(sweep.id, found, chosen, is_settled=not sweep.is_asking)
+
+
+@router.get("/search")
+def get_search(sweep: TheSweep, store: TheStore) -> SearchAnswer:
+    """Answer how far the entries of the sweep's search have climbed, and which is the best."""
+    if sweep.search is None:
+        raise NotFound(f"Sweep {sweep.id} searches nothing: submit one with `search`.")
+    climbed = ladders_of(store, sweep, sweep.search)
+    entries = Entries(sweep.request)
+    return SearchAnswer.of(sweep.id, sweep.search, climbed, entries, is_settled=not sweep.is_asking)
 
 
 def _scores(store: Store, sweep: Sweep, score: Score, *, normalized: bool) -> list[CellScores]:

@@ -1,5 +1,6 @@
 """The verdict on a sweep's question, as answers show it."""
 
+from collections.abc import Sequence
 from typing import Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -10,6 +11,8 @@ from service.analysis.question.sentences import paper_sentence, sentence
 from service.analysis.question.verdict import Answer, Verdict
 from service.api.schemas.number import Numbers, finite_or_none, numbers
 from service.model.question import Question
+from service.model.sweep import Sweep
+from service.model.tuning_seeds import PRESETS, SEARCHES, seeds_text
 
 Decision = Literal["open", "better", "worse", "equivalent", "dropped", "stalled", "undecided"]
 
@@ -25,6 +28,10 @@ DEFINITION = (
     "for seconds, the share of the time that is saved. A run that diverged counts as acting at "
     "random, a pair with a run that failed or was cancelled does not count. Bounds hold at every "
     "look; all decisions together are right with the question's confidence, whenever one looks."
+)
+KEPT_APART = (
+    f"Seeds that chose settings do not count: {seeds_text(PRESETS)}, of the presets, and those of "
+    f"searches, from {SEARCHES[0]:,} on."
 )
 
 
@@ -112,6 +119,8 @@ class VerdictAnswer(BaseModel):
                     "is_settled": True,
                     "margin": 0.02,
                     "definition": DEFINITION,
+                    "kept_apart": KEPT_APART,
+                    "searches": [],
                     "comparisons": [
                         {
                             "environment": "Pendulum",
@@ -147,23 +156,42 @@ class VerdictAnswer(BaseModel):
     is_settled: bool = Field(description="No more seeds will be added.")
     margin: float = Field(description="Differences of less than that do not matter.")
     definition: str = Field(description="What is compared, in words.")
+    kept_apart: str = Field(description="Which seeds do not count, because they chose settings.")
+    searches: list[str] = Field(
+        description="Sweeps that searched, among the settings compared here; none of their seeds "
+        "counts."
+    )
     comparisons: list[ComparisonAnswer] = Field(description="Task by task.")
     paper: str = Field(description="Method, numbers of seeds, correction and results in words.")
 
     @classmethod
-    def of(cls, sweep_id: str, verdict: Verdict, *, is_settled: bool) -> Self:
-        """Show a verdict."""
+    def of(
+        cls, sweep_id: str, verdict: Verdict, searches: Sequence[Sweep], *, is_settled: bool
+    ) -> Self:
+        """Show a verdict; the searches tried settings that are compared."""
         return cls(
             sweep=sweep_id,
             is_settled=is_settled,
             margin=verdict.question.margin,
             definition=DEFINITION,
+            kept_apart=kept_apart(searches),
+            searches=[sweep.id for sweep in searches],
             comparisons=[
                 ComparisonAnswer.of(answer, verdict.question, is_settled=is_settled)
                 for answer in verdict.answers
             ],
             paper=paper_sentence(verdict),
         )
+
+
+def kept_apart(searches: Sequence[Sweep]) -> str:
+    """Return which seeds do not count, and whose they are where settings come from a search."""
+    parts = [
+        f" Sweep {sweep.id} searched these settings on seeds {seeds_text(sweep.search.seeds)}."
+        for sweep in searches
+        if sweep.search is not None
+    ]
+    return KEPT_APART + "".join(parts)
 
 
 def _decision(outcome: Outcome, *, is_settled: bool) -> Decision:

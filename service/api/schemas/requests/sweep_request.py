@@ -31,6 +31,7 @@ from service.api.schemas.requests.sweep_edit import (
     WebhookURL,
 )
 from service.api.schemas.requests.texts import Name, Request, label_text, storable
+from service.api.schemas.search.search_request import SearchRequest
 
 MAX_RUNS = 20_000
 MAX_LISTED = 100
@@ -256,6 +257,14 @@ class SweepRequest(Request):
                         "batch": 8,
                     },
                 },
+                {
+                    "name": "how much noise?",
+                    "algorithms": [{"name": "ddpg", "config": {"noise": [0.1, 0.2, 0.4, 0.8]}}],
+                    "environments": ["Pendulum"],
+                    "seeds": 2,
+                    "timesteps": 20_000,
+                    "search": {"budget": 300_000, "reduction": 3, "score": "area"},
+                },
             ]
         }
     )
@@ -271,7 +280,10 @@ class SweepRequest(Request):
         Annotated[Seed, Field(ge=1), Tag("<one>")]
         | Annotated[list[Seed], Field(min_length=1, max_length=MAX_RUNS), Tag("<list>")],
         Discriminator(_one_or_list),
-    ] = Field(description="n for the seeds 0 to n - 1, or a list of distinct ones.")
+    ] = Field(
+        description="n for the seeds 0 to n - 1, or a list of distinct ones. In a search, which "
+        "chooses them, the fewest that each entry is to have."
+    )
     timesteps: int | None = Field(
         default=None,
         ge=1,
@@ -291,5 +303,10 @@ class SweepRequest(Request):
     question: QuestionRequest | None = Field(
         default=None,
         description="What the sweep is to find out: the service adds seeds until it is decided.",
+    )
+    search: SearchRequest | None = Field(
+        default=None,
+        description="Which entry is best in each task, by successive halving, on `seeds` seeds of "
+        "its own or more.",
     )
     webhook: WebhookURL | None = Field(default=None, description=WEBHOOK_TEXT)

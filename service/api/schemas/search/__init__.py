@@ -1,0 +1,1 @@
+"""The forms of searches and of what they have found."""

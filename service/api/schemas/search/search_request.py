@@ -1,0 +1,25 @@
+"""What `POST /sweeps` takes as a sweep's search."""
+
+from pydantic import Field
+
+from service.api.schemas.requests.texts import Request
+from service.model.search import SearchScore
+
+MAX_BUDGET = 10**12
+
+
+class SearchRequest(Request):
+    """A search: the sweep's best entry in each task, by successive halving."""
+
+    budget: int = Field(
+        ge=1,
+        le=MAX_BUDGET,
+        description="Timesteps of all runs together, at most. A larger one means more seeds.",
+    )
+    reduction: int = Field(
+        default=3, ge=2, le=100, description="On each rung one in so many entries goes on."
+    )
+    score: SearchScore = Field(
+        default="area",
+        description="By which entries are compared: mean over seeds, up to the rung's timesteps.",
+    )

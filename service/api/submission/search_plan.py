@@ -1,0 +1,121 @@
+"""A sweep's search: what it will do, or why it cannot, and what whoever asks should know."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from algorithms import catalogue
+from service.analysis.comparison import grouped
+from service.api.refusals.problems import Fault, InvalidRequest
+from service.api.schemas.requests.sweep_request import MAX_RUNS, SweepRequest
+from service.api.schemas.search.search_request import SearchRequest
+from service.model.request.entry import Entry
+from service.model.search import (
+    FEWEST_SEEDS,
+    Search,
+    cost_of_a_seed,
+    rungs_of,
+    search_seeds,
+)
+from service.model.tuning_seeds import SEARCHES, seeds_text
+from workers.messages.run_spec import RunSpec
+
+Cells = Sequence[tuple[Entry, RunSpec]]
+
+
+def search_faults(request: SweepRequest, cells: Cells) -> Iterator[Fault]:
+    """Refuse what cannot be searched; of the budget, `planned_search` tells."""
+    if request.search is None:
+        return
+    if request.question is not None:
+        yield Fault("search", "a sweep either searches or asks: ask in another one, on other seeds")
+    if not isinstance(request.seeds, int) or request.seeds < FEWEST_SEEDS:
+        message = (
+            f"a search takes seeds of its own: give how many each entry is to have at least, "
+            f"{FEWEST_SEEDS} or more"
+        )
+        yield Fault("seeds", message, FEWEST_SEEDS)
+    if isinstance(request.scale, list):
+        yield Fault("scale", "the entries of a search are equally long: give one share")
+    for task, own in _by_task(cells).items():
+        yield from _task_faults(task, own, request.search)
+
+
+def planned_search(request: SweepRequest, cells: Cells) -> Search | None:
+    """Return the search that a sweep asks for. Raises InvalidRequest where its budget is too small.
+
+    The cells are as long as the sweep's runs can get.
+    """
+    asked = request.search
+    if asked is None or not isinstance(request.seeds, int):
+        return None
+    rungs = {
+        task: rungs_of(len(own), own[0].timesteps, asked.reduction)
+        for task, own in _by_task(cells).items()
+    }
+    cost = cost_of_a_seed(rungs)
+    if asked.budget < (least := request.seeds * cost):
+        message = (
+            f"is too small: with {request.seeds} seeds the search takes {least:,} timesteps. Give "
+            "as many, or fewer timesteps to the longest runs, or fewer entries"
+        )
+        raise InvalidRequest([Fault("search.budget", message, least)])
+    seeds = min(asked.budget // cost, MAX_RUNS // len(cells), len(SEARCHES))
+    return Search(asked.budget, asked.reduction, asked.score, search_seeds(seeds), rungs)
+
+
+def first_rung(cells: Cells, search: Search | None) -> Cells:
+    """Return the cells of a sweep as they are to begin."""
+    if search is None:
+        return cells
+    seed = search.seeds[0]
+    return [
+        (entry, replace(cell, seed=seed, timesteps=search.rungs[cell.environment][0].timesteps))
+        for entry, cell in cells
+    ]
+
+
+def search_notices(search: Search | None) -> Iterator[str]:
+    """Tell what will be trained, and on which seeds."""
+    if search is None:
+        return
+    tasks = "; ".join(
+        f"{task}: "
+        + ", then ".join(f"{rung.entries} entries to {rung.timesteps:,}" for rung in rungs)
+        for task, rungs in search.rungs.items()
+    )
+    yield (
+        f"The search takes {search.timesteps:,} of its budget of {search.budget:,} timesteps, with "
+        f"{len(search.seeds)} seeds. {tasks}."
+    )
+    yield (
+        f"Its seeds are {seeds_text(search.seeds)}, which no question takes: ask with others "
+        "whether the best entry is better."
+    )
+
+
+def _by_task(cells: Cells) -> dict[str, list[RunSpec]]:
+    return grouped([cell for _, cell in cells], lambda cell: cell.environment)
+
+
+def _task_faults(task: str, cells: Sequence[RunSpec], search: SearchRequest) -> Iterator[Fault]:
+    """Refuse a task whose entries cannot be compared, rung by rung."""
+    if len(cells) < 2:
+        message = f"there is one entry in {task}, and nothing to choose: give more, or lists"
+        yield Fault("search", message)
+    lengths = {cell.timesteps: cell.algorithm for cell in cells}
+    if len(lengths) > 1:
+        told = ", ".join(f"{name} {steps:,}" for steps, name in lengths.items())
+        message = f"the presets of its learners differ in {task} ({told}): give one number for all"
+        yield Fault("timesteps", message)
+    stuck = [name for name in dict.fromkeys(c.algorithm for c in cells) if not _can_go_on(name)]
+    if stuck and len(cells) > search.reduction:
+        message = (
+            f"runs of {', '.join(stuck)} cannot go on from where they ended: give {len(cells)} or "
+            f"more, which trains all entries in {task} to the end"
+        )
+        yield Fault("search.reduction", message, len(cells))
+
+
+def _can_go_on(algorithm: str) -> bool:
+    known = catalogue.known(algorithm)
+    return known is None or known.can_go_on

@@ -1,0 +1,18 @@
+"""Seeds that choose settings. No question counts them: what was chosen for its luck would win.
+
+PRESETS   searches and trials that the presets come from (service/paper, results/trials.csv)
+SEARCHES  searches of a service (service/model/search.py)
+"""
+
+PRESETS = range(100, 116)
+SEARCHES = range(1_000_000_000, 1_000_010_000)
+
+
+def chooses(seed: int) -> bool:
+    """Whether a seed is kept for choosing settings."""
+    return seed in PRESETS or seed in SEARCHES
+
+
+def seeds_text(seeds: range | tuple[int, ...]) -> str:
+    """Return seeds that follow each other as `100 to 115`."""
+    return f"{seeds[0]:,} to {seeds[-1]:,}" if len(seeds) > 1 else f"{seeds[0]:,}"
