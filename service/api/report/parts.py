@@ -108,6 +108,7 @@ def statistics_tables(answer: StatisticsAnswer) -> Iterator[Table]:
                 f"{each.wins} of {each.n}",
             )
             for each in differences.values
+            if each.n
         ],
         differences.definition,
         "Paired differences",

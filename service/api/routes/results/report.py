@@ -94,7 +94,7 @@ def _statistics(store: Store, sweep: Compared) -> tuple[list[Table], str]:
     except InvalidRequest as refusal:
         return [], f"There are no statistics: {refusal.faults[0].message}."
     tables = [table for table in statistics_tables(answer) if table.rows]
-    return tables, "No entry has a score in every task yet."
+    return tables, "No task has a score of every entry yet."
 
 
 def _fingerprint(store: Store, sweep_id: str) -> Mapping[str, Any] | None:

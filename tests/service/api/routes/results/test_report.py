@@ -103,5 +103,5 @@ def test_what_is_too_much_to_show_is_told(
 def test_a_sweep_that_waits_has_a_report(client: TestClient) -> None:
     link = f"{API}/{client.post(API, json=SWEEP).json()['id']}/report"
     page = client.get(link).text
-    assert "No entry has a score in every task yet." in page
+    assert "No task has a score of every entry yet." in page
     assert re.search(r"12 runs, 12 queued", page)
