@@ -525,6 +525,14 @@ class Client:
         asked = {"score": score, "normalized": normalized, "format": form}
         return self._call("GET", f"/sweeps/{sweep_id}/table", params=asked).text
 
+    def report(self, sweep_id: str) -> str:
+        """Curves, scores, statistics, settings and how to repeat them, as one HTML file.
+
+        Args:
+            sweep_id: the sweep; or several, joined by `+`.
+        """
+        return self._call("GET", f"/sweeps/{sweep_id}/report").text
+
     def figure(
         self,
         sweep_id: str,

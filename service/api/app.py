@@ -38,7 +38,7 @@ from service.api.routes import (
     sweeps,
     workers,
 )
-from service.api.routes.results import curves, diagnoses, figures, measurements, scores
+from service.api.routes.results import curves, diagnoses, figures, measurements, report, scores
 from service.api.security import Guard
 from service.api.side_process import SideProcess
 from service.settings import Settings
@@ -58,6 +58,7 @@ RESOURCES = (
     curves,
     scores,
     figures,
+    report,
     diagnoses,
     events,
     catalogue,

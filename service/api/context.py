@@ -7,8 +7,9 @@ from fastapi import Depends, Request
 from fastapi import Path as PathParameter
 
 from service.api.event_feed import EventFeed
-from service.api.refusals.problems import NotFound, printable
+from service.api.refusals.problems import Fault, InvalidRequest, NotFound, printable
 from service.api.side_process import Side
+from service.model.compared import SEPARATOR, Compared
 from service.model.request.entry import Entries
 from service.model.run import Run
 from service.model.sweep import Sweep
@@ -17,6 +18,7 @@ from service.task_shelf import TaskShelf
 from workers.checkpoints.place import Place
 
 MAX_ID = 64
+MAX_COMPARED = 20
 
 
 class Workforce(Protocol):
@@ -51,6 +53,13 @@ TheWorkforce = Annotated[Workforce, held("dispatcher")]
 
 
 SweepId = Annotated[str, PathParameter(examples=["3f9a0c51b7de"])]
+SweepIds = Annotated[
+    str,
+    PathParameter(
+        examples=["3f9a0c51b7de"],
+        description="Of a sweep; or of several, joined by `+`, which are then compared as one.",
+    ),
+]
 RunId = Annotated[str, PathParameter(examples=["3f9a0c51b7de-17"])]
 
 
@@ -59,6 +68,14 @@ def _sweep(sweep_id: SweepId, store: TheStore) -> Sweep:
     if sweep is None:
         raise NotFound(f"There is no sweep {printable(sweep_id)!r}.")
     return sweep
+
+
+def _compared(sweep_id: SweepIds, store: TheStore) -> Compared:
+    ids = list(dict.fromkeys(sweep_id.split(SEPARATOR)))
+    if len(ids) > MAX_COMPARED:
+        reason = f"names {len(ids)} sweeps, at most {MAX_COMPARED} are compared"
+        raise InvalidRequest([Fault("sweep_id", reason, MAX_COMPARED)])
+    return Compared([_sweep(each, store) for each in ids])
 
 
 def _run(run_id: RunId, store: TheStore) -> Run:
@@ -79,6 +96,7 @@ def may_be_id(text: str) -> bool:
 
 
 TheSweep = Annotated[Sweep, Depends(_sweep)]
+TheCompared = Annotated[Compared, Depends(_compared)]
 TheRun = Annotated[Run, Depends(_run)]
 
 

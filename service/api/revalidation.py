@@ -2,7 +2,7 @@
 
 (Every answer says `Cache-Control: private, no-cache`: keep it, and ask before each use.)
 
-The tag goes by the sweep's newest event (every change has one), the newest random return (the zero
+The tag goes by the sweeps' newest events (every change has one), the newest random return (the zero
 of the normalised scale), the question, and this process: another version of the program may draw
 the same data differently. It is read before the answer is made, so an answer can be newer than its
 tag says and is then fetched once too often, never once too rarely.
@@ -17,14 +17,15 @@ from fastapi import Request, Response
 from fastapi.routing import APIRoute
 from starlette.concurrency import run_in_threadpool
 
-from service.api.context import may_be_id
+from service.api.context import MAX_COMPARED, may_be_id
+from service.model.compared import SEPARATOR
 from service.store.store import Store
 
 PROCESS = secrets.token_hex(8)
 
 
 class RevalidatedRoute(APIRoute):
-    """A route under `/sweeps/{sweep_id}` whose answers depend on that sweep alone."""
+    """A route under `/sweeps/{sweep_id}` whose answers depend on that sweep, or those, alone."""
 
     def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
         """Answer 304 where the client has the present answer, else tag the new one."""
@@ -48,9 +49,9 @@ class RevalidatedRoute(APIRoute):
 def entity_tag(request: Request) -> str | None:
     """Return the weak tag of the present answer; None where there is no such sweep."""
     store: Store = request.app.state.store
-    sweep_id = request.path_params["sweep_id"]
-    version = store.sweep_version(sweep_id) if may_be_id(sweep_id) else None
-    if version is None:
+    ids = request.path_params["sweep_id"].split(SEPARATOR)[:MAX_COMPARED]
+    version = [store.sweep_version(each) if may_be_id(each) else None for each in ids]
+    if None in version:
         return None
     question = (request.url.path, request.url.query, request.headers.get("accept", ""))
     digest = hashlib.sha256(repr((PROCESS, version, question)).encode()).hexdigest()

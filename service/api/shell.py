@@ -4,7 +4,7 @@ A static file's address holds the version of all of them, so browsers may keep i
 new version is another address.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from http import HTTPStatus
 from importlib.resources import files
@@ -25,6 +25,14 @@ templates = Jinja2Templates(WEB / "templates")
 def page(request: Request, name: str, **values: str) -> HTMLResponse:
     """Return the page of a template, which starts the script of the same name."""
     return _rendered(request, name, {"modules": static().modules(f"pages/{name}.js"), **values})
+
+
+def document(template: str, style_sheets: Sequence[str], **values: Any) -> str:
+    """Return a page that stands alone: its style sheets are in it, and no script."""
+    styles = "\n".join(
+        (WEB / "static" / "styles" / sheet).read_text(encoding="utf-8") for sheet in style_sheets
+    )
+    return templates.get_template(f"{template}.html").render(styles=styles, **values)
 
 
 def problem_page(

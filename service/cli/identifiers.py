@@ -17,6 +17,7 @@ import typer
 from service.api.schemas.listed_sweep_answer import ListedSweepAnswer
 from service.cli.terminal import plain
 from service.client import Client, ServiceError
+from service.model.compared import SEPARATOR
 
 WHOLE = re.compile(r"[0-9a-f]{12}(-\d+)?")
 BEGINNING = re.compile(r"(?P<sweep>[0-9a-f]{1,12})(?P<run>-\d+)?")
@@ -35,9 +36,14 @@ def whole_id(text: str) -> str:
     return f"{found[0]}{cut['run'] or ''}" if found else text
 
 
+def whole_ids(text: str) -> str:
+    """Do as `whole_id` with each of several ids that are joined, as `3f9a+b2`."""
+    return SEPARATOR.join(map(whole_id, text.split(SEPARATOR)))
+
+
 def _one(context: typer.Context, text: str | None) -> str | None:
     """Return the whole id, but not while the shell completes: that must not wait for it."""
-    return text if context.resilient_parsing or not text else whole_id(text)
+    return text if context.resilient_parsing or not text else whole_ids(text)
 
 
 def _each(context: typer.Context, texts: Sequence[str]) -> list[str]:

@@ -13,7 +13,11 @@ import typer
 from service.client import Client, ServiceError
 from service.export import arrays
 
-Format = Literal["csv", "parquet", "tensorboard", "wandb", "mlflow", "openrlbenchmark", "rliable"]
+Format = Literal[
+    "csv", "parquet", "tensorboard", "wandb", "mlflow", "openrlbenchmark", "rliable", "report"
+]
+SUFFIXES: Mapping[str, Format] = {".parquet": "parquet", ".html": "report"}
+"""What files that end so are, where no form is named."""
 Written = dict[str, Any]
 """What was written, and where."""
 
@@ -65,6 +69,10 @@ def _parquet(client: Client, sweep_id: str, output: Path) -> Written:
     return {"bytes": client.save_measurements(sweep_id, output, "parquet")}
 
 
+def _report(client: Client, sweep_id: str, output: Path) -> Written:
+    return {"bytes": output.write_bytes(client.report(sweep_id).encode())}
+
+
 def _openrlbenchmark(client: Client, sweep_id: str, output: Path) -> Written:
     return _saved(arrays.openrlbenchmark(client.measured_runs(sweep_id)), output)
 
@@ -90,5 +98,6 @@ CONVERTERS: Mapping[Format, Converter] = {
         _runs("mlflow_runs"), "mlflow ui --backend-store-uri sqlite:///{} shows them"
     ),
     "openrlbenchmark": Converter(_openrlbenchmark, "numpy.load('{}') reads them"),
+    "report": Converter(_report, "a browser opens it, without the service"),
     "rliable": Converter(_rliable, "numpy.load('{}') reads them"),
 }

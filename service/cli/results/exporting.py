@@ -17,7 +17,7 @@ from service.api.schemas.measured.measurements_answer import SPEC_COLUMNS
 from service.api.schemas.run_answer import RunAnswer
 from service.api.schemas.score_table_answer import StandingAnswer, inert
 from service.cli.identifiers import Identifier, SweepId
-from service.cli.results.converting import Format, convert
+from service.cli.results.converting import SUFFIXES, Format, convert
 from service.cli.results.drawing import form_of
 from service.cli.terminal import AsJson, print_json, print_table, say, write_out
 from service.client import Client, TableText
@@ -39,9 +39,10 @@ def export(
 ) -> None:
     """Write every measurement of a sweep or a run as CSV, or a sweep for other tools.
 
-    mlflow adds an experiment to a SQLite file; openrlbenchmark and rliable are NumPy archives.
+    mlflow adds an experiment to a SQLite file; openrlbenchmark and rliable are NumPy archives; a
+    report is an HTML file that needs no service, of a sweep or of several (`3f9a+b2`).
     """
-    form = form or ("parquet" if output and output.suffix == ".parquet" else "csv")
+    form = form or (SUFFIXES.get(output.suffix, "csv") if output else "csv")
     if form != "csv":
         _for_others(identifier, form, output, as_json)
         return

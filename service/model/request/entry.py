@@ -9,10 +9,10 @@ added to a sweep come after those that it has.
 
 import json
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import Any, Protocol
+from typing import Any, Protocol, Self
 
 from service.model.request.grid import expand, size
 from workers.messages.run_spec import Weights
@@ -81,17 +81,27 @@ class Entries:
             for entry in _entries(item, algorithm, environments, request.get("scale"))
         ]
         self.all = _labelled([replace(each, place=place) for place, each in enumerate(stated)])
-        self.cells = [
-            (environment, entry)
-            for environment in environments
-            for entry in self.all
-            if environment in entry.environments
-        ]
+        self.cells = _cells(environments, self.all)
         """Each environment with each entry that runs in it, in the order of the runs."""
+
+    @classmethod
+    def of_all(cls, entries: Sequence[Entry]) -> Self:
+        """Return entries of several requests, which have their places and names."""
+        together = cls.__new__(cls)
+        together.all = list(entries)
+        environments = dict.fromkeys(task for each in entries for task in each.environments)
+        together.cells = _cells(environments, together.all)
+        return together
 
     def label(self, of_entry: OfEntry) -> str:
         """Return the name of the entry that a run is of."""
         return self.all[of_entry.entry].label
+
+
+def _cells(environments: Iterable[str], entries: Sequence[Entry]) -> list[tuple[str, Entry]]:
+    return [
+        (task, entry) for task in environments for entry in entries if task in entry.environments
+    ]
 
 
 def listed(value: Any) -> list[Any]:

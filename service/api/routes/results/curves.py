@@ -1,4 +1,4 @@
-"""Curves of a sweep: what its figures are drawn from too."""
+"""Curves of a sweep, or of several as one: what its figures are drawn from too."""
 
 from dataclasses import replace
 from typing import Annotated
@@ -15,17 +15,16 @@ from service.analysis.comparison import (
     compare,
 )
 from service.analysis.curves import Band
-from service.api.context import TheStore, TheSweep
+from service.api.context import TheCompared, TheStore
 from service.api.refusals.nearest import unknown_name
-from service.api.refusals.problems import Fault, InvalidRequest
+from service.api.refusals.problems import Fault, ImpossibleMove, InvalidRequest
 from service.api.revalidation import RevalidatedRoute
 from service.api.schemas.curves_answer import CurvesAnswer, curves_json
 from service.api.schemas.requests.sweep_request import MAX_RUNS
 from service.api.schemas.requests.texts import Text
+from service.model.compared import Compared
 from service.model.environment import best_return
-from service.model.request.entry import Entries
-from service.model.run_curve import RETURNS
-from service.model.sweep import Sweep
+from service.model.run_curve import RETURNS, RunCurve
 from service.store.store import Store
 
 router = APIRouter(prefix="/sweeps/{sweep_id}", tags=["curves"], route_class=RevalidatedRoute)
@@ -81,7 +80,9 @@ class CurveQuery(BandQuery):
 
 
 @router.get("/curves", response_model=CurvesAnswer)
-def get_curves(sweep: TheSweep, query: Annotated[CurveQuery, Query()], store: TheStore) -> Response:
+def get_curves(
+    sweep: TheCompared, query: Annotated[CurveQuery, Query()], store: TheStore
+) -> Response:
     """Answer mean and band over seeds, exact, from all of them, with n."""
     view = replace(query.view(query.metric), with_seeds=query.seeds)
     comparison = compared(store, sweep, view, query.run)
@@ -98,25 +99,44 @@ def get_curves(sweep: TheSweep, query: Annotated[CurveQuery, Query()], store: Th
         }
     },
 )
-def get_metrics(sweep: TheSweep, store: TheStore) -> list[str]:
+def get_metrics(sweep: TheCompared, store: TheStore) -> list[str]:
     """List what curves can show: the returns, and the diagnostics that runs have measured."""
-    return [*METRIC_TEXT, *store.diagnostic_names(sweep.id)]
+    return [*METRIC_TEXT, *_diagnostics(store, sweep)]
 
 
-def compared(store: Store, sweep: Sweep, view: View, run: int | None = None) -> Comparison:
-    """Return the comparison of a sweep's runs, or of the one of that number.
+def compared(store: Store, sweep: Compared, view: View, run: int | None = None) -> Comparison:
+    """Return the comparison of the runs of sweeps, or of the one of that number of a sweep.
 
-    Raises InvalidRequest for a metric that cannot be shown.
+    Raises InvalidRequest for what cannot be shown, ImpossibleMove as `run_curves`.
     """
+    if run is not None and len(sweep.sweeps) > 1:
+        raise InvalidRequest([Fault("run", "is the number of a run of one sweep, not of several")])
     _refuse_metric(store, sweep, view)
-    runs = store.curve_points(sweep.id, view.metric, view.x, run)
-    return compare(runs, Entries(sweep.request), view, store.random_returns(), best_return)
+    runs = run_curves(store, sweep, view.metric, view.x, run)
+    return compare(runs, sweep.entries, view, store.random_returns(), best_return)
 
 
-def _refuse_metric(store: Store, sweep: Sweep, view: View) -> None:
+def run_curves(
+    store: Store, sweep: Compared, metric: str, x: str = "timesteps", run: int | None = None
+) -> list[RunCurve]:
+    """Return a metric of every run. Raises ImpossibleMove where runs cannot be compared."""
+    own = [store.curve_points(each.id, metric, x, run) for each in sweep.sweeps]
+    try:
+        return sweep.joined(own)
+    except ValueError as error:
+        raise ImpossibleMove(f"{error}.") from error
+
+
+def _diagnostics(store: Store, sweep: Compared) -> list[str]:
+    """The diagnostics that runs have measured, each once."""
+    names = (name for each in sweep.sweeps for name in store.diagnostic_names(each.id))
+    return list(dict.fromkeys(names))
+
+
+def _refuse_metric(store: Store, sweep: Compared, view: View) -> None:
     if view.metric in RETURNS:
         return
-    if view.metric not in (known := store.diagnostic_names(sweep.id)):
+    if view.metric not in (known := _diagnostics(store, sweep)):
         raise InvalidRequest([unknown_name("metric", view.metric, [*sorted(RETURNS), *known])])
     if view.normalized:
         message = f"only returns have a normalised scale, {view.metric!r} has none"

@@ -13,7 +13,7 @@ from service.analysis.comparison import Comparison
 from service.analysis.figures.figure_data import figure_data
 from service.analysis.figures.figure_form import MEDIA_TYPES, Form
 from service.analysis.figures.paper_figure import MAX_CURVES, PAPER, FigureNumber
-from service.api.context import TheCheckpoints, TheSide, TheStore, TheSweep
+from service.api.context import TheCheckpoints, TheCompared, TheSide, TheStore, TheSweep
 from service.api.refusals.problems import (
     Fault,
     ImpossibleMove,
@@ -25,13 +25,14 @@ from service.api.revalidation import RevalidatedRoute
 from service.api.routes.results.curves import BandQuery, compared
 from service.api.schemas.figure_query import FigureQuery
 from service.api.side_process import BusyError, Side, TooSlowError
-from service.model.sweep import Sweep
+from service.model.compared import Compared
 from service.store.store import Store
 from workers.checkpoints.folder import UnavailableError
 from workers.checkpoints.sealed_file import DamagedError
 
 router = APIRouter(prefix="/sweeps/{sweep_id}", tags=["curves"], route_class=RevalidatedRoute)
 
+CURVES = "service.analysis.figures.plot:draw"
 DATA: dict[int | str, dict[str, Any]] = {
     200: {
         "content": {
@@ -49,7 +50,7 @@ ANSWERS: dict[int | str, dict[str, Any]] = {
 
 @router.get("/plot.csv", response_class=Response, responses=DATA)
 def get_plot_data(
-    sweep: TheSweep, query: Annotated[FigureQuery, Query()], store: TheStore
+    sweep: TheCompared, query: Annotated[FigureQuery, Query()], store: TheStore
 ) -> Response:
     """Answer the numbers that `plot.{form}` draws for the same query."""
     data = figure_data(_asked_rows(store, sweep, query), query.design)
@@ -59,7 +60,7 @@ def get_plot_data(
 
 @router.get("/plot.{form}", response_class=Response, responses=ANSWERS)
 def get_plot(
-    sweep: TheSweep,
+    sweep: TheCompared,
     form: Form,
     query: Annotated[FigureQuery, Query()],
     store: TheStore,
@@ -70,12 +71,13 @@ def get_plot(
     Without any option: every curve, return_mean above return_history.
     """
     rows = _asked_rows(store, sweep, query)
-    _refuse_more_curves([query.design.chosen(row) for row in rows], MAX_CURVES)
+    refuse_more_curves([query.design.chosen(row) for row in rows], MAX_CURVES)
     title = f"{sweep.name} ({sweep.id})"
-    return _drawn(side, "service.analysis.figures.plot:draw", title, rows, form, query.design)
+    picture = drawn(side, CURVES, title, rows, form, query.design)
+    return Response(picture, media_type=MEDIA_TYPES[form])
 
 
-def _asked_rows(store: Store, sweep: Sweep, query: FigureQuery) -> list[Comparison]:
+def _asked_rows(store: Store, sweep: Compared, query: FigureQuery) -> list[Comparison]:
     """Return a comparison a metric. Raises InvalidRequest for what the sweep does not have."""
     bands = BandQuery(
         normalized=query.normalized,
@@ -111,7 +113,7 @@ def get_figure(
     rows = [
         compared(
             store,
-            sweep,
+            Compared([sweep]),
             replace(view, algorithms=figure.algorithms, environment=figure.environment),
         )
         for view in views
@@ -122,13 +124,14 @@ def get_figure(
             f"Figure {number} shows {', '.join(figure.algorithms)}{where}; sweep {sweep.id} has no "
             "run of them."
         )
-    _refuse_more_curves(rows, figure.max_curves)
+    refuse_more_curves(rows, figure.max_curves)
     title = f"Figure {number}, {figure.title}: {sweep.name} ({sweep.id})"
     policies = [checkpoints] if figure.shows_policies else []
-    return _drawn(side, figure.draw, title, rows, form, *policies)
+    picture = drawn(side, figure.draw, title, rows, form, *policies)
+    return Response(picture, media_type=MEDIA_TYPES[form])
 
 
-def _refuse_more_curves(rows: Sequence[Comparison], most: int) -> None:
+def refuse_more_curves(rows: Sequence[Comparison], most: int) -> None:
     """Raise InvalidRequest for more curves than eyes can tell apart."""
     curves = sum(len(panel.curves) for panel in rows[0].panels)
     if curves > most:
@@ -137,16 +140,16 @@ def _refuse_more_curves(rows: Sequence[Comparison], most: int) -> None:
         )
 
 
-def _drawn(
+def drawn(
     side: Side, draw: str, title: str, rows: Sequence[Comparison], form: Form, *more: object
-) -> Response:
-    """Draw. Raises ImpossibleMove for damaged files, ServiceBusy."""
+) -> bytes:
+    """Return a picture. Raises ImpossibleMove for damaged files, ServiceBusy."""
     try:
-        picture = side.call(draw, title, rows, form, *more)
+        picture: bytes = side.call(draw, title, rows, form, *more)
     except UnavailableError as trouble:
         raise ServiceBusy(f"What runs learned cannot be read now: {trouble.strerror}.") from trouble
     except DamagedError as damage:
         raise ImpossibleMove(f"What a run has learned cannot be read: {damage}.") from damage
     except (BusyError, TooSlowError, EOFError) as error:
         raise ServiceBusy(f"The figure could not be drawn: {error}.") from error
-    return Response(picture, media_type=MEDIA_TYPES[form])
+    return picture

@@ -14,21 +14,21 @@ from service.analysis.statistics.score_table import ScoreTable, score_table
 from service.analysis.statistics.score_table_text import latex, markdown
 from service.analysis.statistics.scores import CellScores, sweep_scores
 from service.analysis.statistics.sweep_statistics import sweep_statistics
-from service.api.context import TheStore, TheSweep
+from service.api.context import TheCompared, TheStore, TheSweep
 from service.api.negotiation import asked_form
 from service.api.refusals.nearest import unknown_name
 from service.api.refusals.problems import Fault, InvalidRequest, NotFound
 from service.api.revalidation import RevalidatedRoute
+from service.api.routes.results.curves import run_curves
 from service.api.schemas.measured.scores_answer import ScoresAnswer
 from service.api.schemas.question.verdict_answer import VerdictAnswer
 from service.api.schemas.requests.texts import Text
 from service.api.schemas.score_table_answer import ScoreTableAnswer, score_table_csv
 from service.api.schemas.search.search_answer import SearchAnswer
 from service.api.schemas.statistics_answer import StatisticsAnswer
+from service.model.compared import Compared
 from service.model.environment import best_return
 from service.model.question import Question
-from service.model.request.entry import Entries
-from service.model.sweep import Sweep
 from service.queue.question_rounds import pairs_of
 from service.queue.search_rounds import ladders_of, searches_that_tried
 from service.store.store import Store
@@ -97,13 +97,13 @@ class TableQuery(ScaleQuery):
     responses={200: {"content": EXAMPLES}},
 )
 def get_table(
-    sweep: TheSweep, query: Annotated[TableQuery, Query()], request: Request, store: TheStore
+    sweep: TheCompared, query: Annotated[TableQuery, Query()], request: Request, store: TheStore
 ) -> Response:
     """Answer what every entry of the sweep reached in every task.
 
     With `score=return_history` it is the paper's table 1 for this sweep.
     """
-    scores = _scores(store, sweep, query.score, normalized=query.normalized)
+    scores = scores_of(store, sweep, query.score, normalized=query.normalized)
     table = score_table(scores, query.score, normalized=query.normalized)
     form = asked_form(request, query.format, MEDIA_TYPES)
     headers = {"Vary": "Accept"}
@@ -114,30 +114,36 @@ def get_table(
 
 @router.get("/scores")
 def get_scores(
-    sweep: TheSweep, query: Annotated[ScaleQuery, Query()], store: TheStore
+    sweep: TheCompared, query: Annotated[ScaleQuery, Query()], store: TheStore
 ) -> ScoresAnswer:
     """Answer the score of every run: what the table and the statistics are made of."""
-    cells = _scores(store, sweep, query.score, normalized=query.normalized)
+    cells = scores_of(store, sweep, query.score, normalized=query.normalized)
     return ScoresAnswer.of(sweep.id, query.score, cells, normalized=query.normalized)
 
 
 @router.get("/statistics")
 def get_statistics(
-    sweep: TheSweep, query: Annotated[StatisticsQuery, Query()], store: TheStore
+    sweep: TheCompared, query: Annotated[StatisticsQuery, Query()], store: TheStore
 ) -> StatisticsAnswer:
     """Answer what the sweep says of its entries over all tasks, with intervals."""
-    entries = Entries(sweep.request)
-    _refuse_unknown(query.reference, [entry.label for entry in entries.all])
-    cells = _scores(store, sweep, query.score, normalized=True)
+    return statistics_of(store, sweep, query.score, query.reference)
+
+
+def statistics_of(
+    store: Store, sweep: Compared, score: Score, reference: str | None = None
+) -> StatisticsAnswer:
+    """Return the statistics. Raises InvalidRequest for an unknown reference, and too many runs."""
+    _refuse_unknown(reference, [entry.label for entry in sweep.entries.all])
+    cells = scores_of(store, sweep, score, normalized=True)
     _refuse_too_many(cells)
     differences = paired_differences(
-        store.curve_points(sweep.id, "return_mean"),
-        entries,
+        run_curves(store, sweep, "return_mean"),
+        sweep.entries,
         store.random_returns(),
         best_return,
-        query.reference,
+        reference,
     )
-    return StatisticsAnswer.of(sweep.id, query.score, sweep_statistics(cells), differences)
+    return StatisticsAnswer.of(sweep.id, score, sweep_statistics(cells), differences)
 
 
 @router.get("/verdict")
@@ -161,10 +167,11 @@ def get_search(sweep: TheSweep, store: TheStore) -> SearchAnswer:
     return SearchAnswer.of(sweep.id, sweep.search, climbed, entries, is_settled=not sweep.is_asking)
 
 
-def _scores(store: Store, sweep: Sweep, score: Score, *, normalized: bool) -> list[CellScores]:
+def scores_of(store: Store, sweep: Compared, score: Score, *, normalized: bool) -> list[CellScores]:
+    """Return the scores of all cells. Raises ImpossibleMove as `run_curves`."""
     return sweep_scores(
-        store.curve_points(sweep.id, SCORES[score].metric),
-        Entries(sweep.request),
+        run_curves(store, sweep, SCORES[score].metric),
+        sweep.entries,
         score,
         store.random_returns(),
         best_return,
@@ -192,7 +199,7 @@ def _refuse_too_many(cells: Sequence[CellScores]) -> None:
         raise InvalidRequest([Fault("sweep", message, MAX_COMPARED)])
 
 
-def _written(form: TableForm, sweep: Sweep, table: ScoreTable) -> str:
+def _written(form: TableForm, sweep: Compared, table: ScoreTable) -> str:
     title = f"{sweep.name} ({sweep.id})"
     match form:
         case "json":

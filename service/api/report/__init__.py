@@ -1,0 +1,1 @@
+"""A sweep, or several as one, as a single HTML file."""
