@@ -25,7 +25,9 @@ from service.queue.worker_memory import runs_at_once
 from service.settings import Settings
 from service.store.store import Store
 from service.task_shelf import TaskFileError, TaskShelf
+from workers.pool.pool import Pool
 from workers.pool.process import PoolProcess, PoolSettings
+from workers.pool.standing_pool import StandingPool
 
 
 @contextmanager
@@ -38,20 +40,9 @@ def wired(settings: Settings) -> Iterator[FastAPI]:
         shelf = filled_shelf(settings)
         store = Store.open(settings.store_url)
         try:
-            pool = PoolProcess(
-                PoolSettings(
-                    settings.workers,
-                    settings.ray_address,
-                    settings.data_dir,
-                    settings.checkpoint_place,
-                    settings.min_workers,
-                    settings.max_workers,
-                    settings.promised_memory,
-                )
-            )
             dispatcher = Dispatcher(
                 store,
-                pool,
+                pool_of(settings),
                 limit_of=partial(runs_at_once, worker_memory=settings.run_memory),
                 file_of=shelf.file_of,
             )
@@ -78,6 +69,22 @@ def wired(settings: Settings) -> Iterator[FastAPI]:
                 dispatcher.stop()
         finally:
             store.close()
+
+
+def pool_of(settings: Settings) -> Pool:
+    """Return the pool of workers, of a process of our own or of one that stands apart."""
+    pool = PoolSettings(
+        settings.workers,
+        settings.ray_address,
+        settings.data_dir,
+        settings.checkpoint_place,
+        settings.min_workers,
+        settings.max_workers,
+        settings.promised_memory,
+    )
+    return (
+        PoolProcess(pool) if settings.driver is None else StandingPool(settings.driver, pool.terms)
+    )
 
 
 def filled_shelf(settings: Settings) -> TaskShelf:

@@ -51,6 +51,11 @@ class Settings(BaseSettings):
         default="",
         description="A Ray cluster to join, instead of a local one of its own",
     )
+    driver: Path | None = Field(
+        default=None,
+        description="Socket of a process that drives Ray and stands apart, such as in a container; "
+        "a process of the service's own if unset",
+    )
     workers: int = Field(
         default_factory=lambda: len(os.sched_getaffinity(0)),
         ge=1,

@@ -1,9 +1,9 @@
-"""`python -m workers`: the process that drives Ray for a PoolProcess."""
+"""`python -m workers`: the process that drives Ray for a service."""
 
 import shutil
-import socket
 
 from workers.driver.cluster import drive
+from workers.driver.reception import listening
 from workers.driver.settings import DriverSettings
 
 
@@ -11,7 +11,8 @@ def main() -> None:
     """Drive Ray until a service closes the pool, or none comes."""
     settings = DriverSettings.from_arguments()
     try:
-        drive(socket.socket(fileno=settings.listener), settings)
+        with listening(settings) as listener:
+            drive(listener, settings)
     finally:  # also done by who made it, unless killed
         shutil.rmtree(settings.scratch, ignore_errors=True)
 

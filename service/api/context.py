@@ -8,6 +8,7 @@ from fastapi import Path as PathParameter
 
 from service.api.event_feed import EventFeed
 from service.api.refusals.problems import Fault, InvalidRequest, NotFound, printable
+from service.api.requested_side import RequestedSide
 from service.api.side_process import Side
 from service.model.compared import SEPARATOR, Compared
 from service.model.request.entry import Entries
@@ -43,13 +44,19 @@ def held(name: str) -> Any:
 
 
 TheCheckpoints = Annotated[Place, held("checkpoints")]
-TheSide = Annotated[Side, held("side")]
 TheShelf = Annotated[TaskShelf, held("shelf")]
 TheStore = Annotated[Store, held("store")]
 TheEventFeed = Annotated[EventFeed, held("event_feed")]
 TheWorkerMemory = Annotated[int, held("worker_memory")]
 TheWebhookHosts = Annotated[tuple[str, ...], held("webhook_hosts")]
 TheWorkforce = Annotated[Workforce, held("dispatcher")]
+
+
+def _side(request: Request) -> Side:
+    return RequestedSide(request.app.state.side, request)
+
+
+TheSide = Annotated[Side, Depends(_side)]
 
 
 SweepId = Annotated[str, PathParameter(examples=["3f9a0c51b7de"])]

@@ -13,7 +13,7 @@ import structlog
 from algorithms.diagnostics.finding import Finding
 from service.api.learned import Learned
 from service.api.refusals.problems import ImpossibleMove, ServiceBusy
-from service.api.side_process import Side
+from service.api.side_process import OwnSide
 from service.model.run import Run
 from service.store.store import Store
 from service.task_shelf import TaskShelf
@@ -35,7 +35,7 @@ class UndiagnosedError(Exception):
 class Diagnoser:
     """Works on a thread of its own. `start` begins, `stop` ends."""
 
-    def __init__(self, store: Store, checkpoints: Place, side: Side, shelf: TaskShelf) -> None:
+    def __init__(self, store: Store, checkpoints: Place, side: OwnSide, shelf: TaskShelf) -> None:
         """Begin nothing yet; `side` is where diagnoses are made."""
         self._store = store
         self._side = side

@@ -2,20 +2,28 @@
 
 It is started when first needed, does one thing after the other at a lower priority, and ends with
 the service, however that ends: its pipe closes then. What takes too long is ended with it, and the
-next call starts another. Functions go by name ("module:function"), so that the service itself loads
-neither matplotlib nor numba nor torch. The pipe carries pickles between our own two ends only.
+next call starts another; what has waited for too long, or is wanted no more when its turn comes, is
+not begun. Functions go by name ("module:function"), so that the service itself loads neither
+matplotlib nor numba nor torch. The pipe carries pickles between our own two ends only. The process
+runs the code of tasks: it has no secret of the service in its environment.
 """
 
 import os
 import signal
+import subprocess
+import sys
 import threading
-from multiprocessing import get_context
+from collections.abc import Callable
+from multiprocessing import Pipe
 from multiprocessing.connection import Connection
-from multiprocessing.process import BaseProcess
 from pkgutil import resolve_name
 from typing import Any, Protocol
 
+from workers.pool.environment import without_secrets
+
 MOST_WAITING = 16
+WAITING_SECONDS = 30.0
+"""For a turn; browsers and proxies give up after about a minute."""
 LIMIT_SECONDS = 60.0
 CLOSE_SECONDS = 0.1
 
@@ -24,8 +32,17 @@ class BusyError(RuntimeError):
     """More is waiting than is sensible: ask again later."""
 
 
+class AbandonedError(BusyError):
+    """Nobody wanted it any more when its turn came."""
+
+
 class TooSlowError(RuntimeError):
     """It took longer than the limit and was ended."""
+
+
+def always() -> bool:
+    """Nobody gives it up."""
+    return True
 
 
 class Side(Protocol):
@@ -34,6 +51,10 @@ class Side(Protocol):
     def call(self, function: str, *arguments: Any) -> Any:
         """Return what the function returns, raise what it raises; or BusyError, TooSlowError."""
 
+
+class OwnSide(Side, Protocol):
+    """One that is ended by who uses it."""
+
     def close(self) -> None:
         """End what was started."""
 
@@ -41,26 +62,36 @@ class Side(Protocol):
 class SideProcess:
     """One process, started at the first call. Safe from any thread."""
 
-    def __init__(self, limit_seconds: float = LIMIT_SECONDS) -> None:
+    def __init__(
+        self, limit_seconds: float = LIMIT_SECONDS, waiting_seconds: float = WAITING_SECONDS
+    ) -> None:
         """Start nothing yet."""
         self._limit_seconds = limit_seconds
+        self._waiting_seconds = waiting_seconds
         self._waiting = threading.Semaphore(MOST_WAITING)
         self._turn = threading.Lock()
-        self._process: BaseProcess | None = None
+        self._process: subprocess.Popen[bytes] | None = None
         self._pipe: Connection | None = None
         self._is_closed = False
 
-    def call(self, function: str, *arguments: Any) -> Any:
+    def call(self, function: str, *arguments: Any, is_wanted: Callable[[], bool] = always) -> Any:
         """Run a function over there, after those that came before.
 
-        Raises what the function raises; BusyError where too many wait; TooSlowError; EOFError
+        Raises what the function raises; BusyError where too many wait, where its turn does not
+        come in time, and where it is not wanted any more when it comes; TooSlowError; EOFError
         where the process died of it.
         """
         if not self._waiting.acquire(blocking=False):
             raise BusyError(f"{MOST_WAITING} others wait already")
         try:
-            with self._turn:
+            if not self._turn.acquire(timeout=self._waiting_seconds):
+                raise BusyError(f"others before it took {self._waiting_seconds:g} s")
+            try:
+                if not is_wanted():
+                    raise AbandonedError("nobody waits for it any more")
                 return self._call(function, arguments)
+            finally:
+                self._turn.release()
         finally:
             self._waiting.release()
 
@@ -92,13 +123,11 @@ class SideProcess:
     def _connected(self) -> Connection:
         if self._is_closed:
             raise RuntimeError("the service is stopping")
-        if self._pipe is None or self._process is None or not self._process.is_alive():
+        if self._pipe is None or self._process is None or self._process.poll() is not None:
             self._end()
-            context = get_context("spawn")
-            self._pipe, theirs = context.Pipe()
-            self._process = context.Process(target=serve, args=(theirs,), daemon=True)
-            self._process.start()
-            theirs.close()
+            self._pipe, theirs = Pipe()
+            with theirs:
+                self._process = started(theirs)
         return self._pipe
 
     def _end(self) -> None:
@@ -106,8 +135,18 @@ class SideProcess:
             self._pipe.close()
         if self._process is not None:
             self._process.kill()
-            self._process.join()
+            self._process.wait()
         self._pipe = self._process = None
+
+
+def started(pipe: Connection) -> "subprocess.Popen[bytes]":
+    """Start the process at the other end, which finds modules where this one does."""
+    return subprocess.Popen(  # noqa: S603  (our own interpreter and module)
+        [sys.executable, "-m", __name__, str(pipe.fileno())],
+        pass_fds=[pipe.fileno()],
+        stdin=subprocess.DEVNULL,
+        env={**without_secrets(os.environ), "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+    )
 
 
 def serve(pipe: Connection) -> None:
@@ -124,3 +163,7 @@ def serve(pipe: Connection) -> None:
         except Exception as error:
             answer = None, error
         pipe.send(answer)
+
+
+if __name__ == "__main__":
+    serve(Connection(int(sys.argv[1])))

@@ -11,7 +11,7 @@ from service.settings import Settings
 DOCKER = Path(__file__).parents[2] / "docker"
 COMPOSE: dict[str, Any] = yaml.safe_load((DOCKER / "compose.yml").read_text())
 CONTAINERS: dict[str, dict[str, Any]] = COMPOSE["services"]
-RAY_NODES = ["head", "worker", "service"]
+RAY_NODES = ["head", "worker", "driver"]
 SETTINGS = {f"D3PG_{name.upper()}" for name in Settings.model_fields}
 
 
@@ -34,12 +34,12 @@ def test_the_service_alone_is_published_and_on_loopback_alone() -> None:
     assert not any("network_mode" in container for container in CONTAINERS.values())
 
 
-def test_workers_do_not_see_the_database() -> None:
+def test_no_node_of_ray_shares_a_network_with_the_service_or_the_database() -> None:
     assert COMPOSE["networks"]["storage"] == {"internal": True}
-    on_storage = {
-        name for name, container in CONTAINERS.items() if "storage" in container["networks"]
-    }
-    assert on_storage == {"service", "database"}
+    networks = {name: set(container["networks"]) for name, container in CONTAINERS.items()}
+    assert all(networks[name] == {"cluster"} for name in RAY_NODES)
+    assert networks["service"] == {"outside", "storage"}
+    assert networks["database"] == {"storage"}
 
 
 @pytest.mark.parametrize("name", RAY_NODES)
@@ -59,6 +59,14 @@ def test_secrets_are_files_and_no_environment_has_one() -> None:
     assert "docker/secrets/" in (DOCKER.parent / ".gitignore").read_text().splitlines()
 
 
+def test_ray_s_token_and_the_service_s_secrets_are_in_no_container_together() -> None:
+    secrets = {name: set(container["secrets"]) for name, container in CONTAINERS.items()}
+    assert all(secrets[name] == {"ray_token"} for name in RAY_NODES)
+    assert secrets["service"] == {"token", "database_password"}
+    assert secrets["database"] == {"database_password"}
+    assert not any(variable.startswith("RAY_") for variable in CONTAINERS["service"]["environment"])
+
+
 def test_the_variables_named_are_settings_and_make_a_valid_one(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -76,7 +84,18 @@ def test_the_variables_named_are_settings_and_make_a_valid_one(
     assert settings.worker_memory == 2_000_000_000
 
 
-def test_workers_share_what_they_write_with_the_service_and_nothing_else() -> None:
-    shared = {"checkpoints:/data/checkpoints", "logs:/data/logs"}
-    assert set(CONTAINERS["worker"]["volumes"]) == shared
-    assert set(CONTAINERS["service"]["volumes"]) == shared | {"data:/data"}
+def test_containers_share_what_they_have_to_and_nothing_else() -> None:
+    volumes = {name: set(container.get("volumes", ())) for name, container in CONTAINERS.items()}
+    checkpoints, logs = "checkpoints:/data/checkpoints", "logs:/data/logs"
+    assert volumes["worker"] == {checkpoints, logs}
+    assert volumes["driver"] == {logs, "driver:/run/d3pg"}
+    assert volumes["service"] == {"data:/data", checkpoints, "driver:/run/d3pg:ro"}
+    assert not volumes["head"]
+
+
+def test_the_service_finds_the_driver_where_it_listens() -> None:
+    script, head, folder = CONTAINERS["driver"]["command"]
+    assert script == "drive-ray"
+    environment = CONTAINERS["service"]["environment"]
+    assert environment["D3PG_RAY_ADDRESS"] == head
+    assert environment["D3PG_DRIVER"] == f"{folder}/pool.sock"

@@ -76,6 +76,7 @@ def test_what_the_wheel_is_built_from_is_sent_and_nothing_unnamed() -> None:
         "pyproject.toml",
         PROJECT["project"]["readme"],
         "hatch_build.py",
-        "docker/serve-in-cluster",
+        "docker/drive-ray",
+        "docker/serve-d3pg",
     }
     assert all((ROOT / name).exists() for name in sent)

@@ -12,6 +12,9 @@ MANIFEST = Path(__file__).parents[2] / "docker" / "kuberay.yaml"
 DOCUMENTS: list[dict[str, Any]] = list(yaml.safe_load_all(MANIFEST.read_text()))
 CLUSTER = next(each for each in DOCUMENTS if each["kind"] == "RayCluster")["spec"]
 SERVICE = next(each for each in DOCUMENTS if each["kind"] == "Deployment")["spec"]
+SERVING: dict[str, dict[str, Any]] = {
+    each["name"]: each for each in SERVICE["template"]["spec"]["containers"]
+}
 TEMPLATES: dict[str, dict[str, Any]] = {
     "head": CLUSTER["headGroupSpec"]["template"],
     "worker": CLUSTER["workerGroupSpecs"][0]["template"],
@@ -23,17 +26,41 @@ TEMPLATES: dict[str, dict[str, Any]] = {
 def test_a_pod_is_not_root_and_is_watched(name: str) -> None:
     pod = TEMPLATES[name]["spec"]
     assert pod["securityContext"]["runAsNonRoot"] is True
-    [container] = pod["containers"]
-    assert container["securityContext"]["allowPrivilegeEscalation"] is False
-    assert container["securityContext"]["capabilities"] == {"drop": ["ALL"]}
-    assert {"readinessProbe", "livenessProbe"} <= container.keys()
+    for container in pod["containers"]:
+        assert container["securityContext"]["allowPrivilegeEscalation"] is False
+        assert container["securityContext"]["capabilities"] == {"drop": ["ALL"]}
+        assert {"readinessProbe", "livenessProbe"} <= container.keys()
 
 
-@pytest.mark.parametrize("name", TEMPLATES)
-def test_every_ray_process_has_the_token_as_a_file(name: str) -> None:
-    [container] = TEMPLATES[name]["spec"]["containers"]
-    assert_token_file(container)
+def test_every_ray_process_has_the_token_as_a_file() -> None:
+    for name in ("head", "worker"):
+        [container] = TEMPLATES[name]["spec"]["containers"]
+        assert_token_file(container)
+    assert_token_file(SERVING["driver"])
     assert_token_file(CLUSTER["autoscalerOptions"])
+
+
+def test_driver_and_service_share_a_folder_and_no_secret() -> None:
+    assert SERVICE["template"]["spec"]["shareProcessNamespace"] is False
+    mounts = {
+        name: {mount["name"]: mount["mountPath"] for mount in container["volumeMounts"]}
+        for name, container in SERVING.items()
+    }
+    assert mounts["driver"].keys() & mounts["service"].keys() == {"driver", "shared"}
+    assert mounts["driver"].keys() == {"driver", "shared", "ray-secret"}
+    files = {
+        volume["name"]: {item["key"] for item in volume["secret"]["items"]}
+        for volume in SERVICE["template"]["spec"]["volumes"]
+        if "secret" in volume
+    }
+    assert files == {"secrets": {"token"}, "ray-secret": {"ray_token"}}
+    named = {each["name"] for each in SERVING["service"]["env"]}
+    assert not any(name.startswith("RAY_") for name in named)
+    assert not any(each["name"].startswith("D3PG_") for each in SERVING["driver"]["env"])
+    script, _, folder = SERVING["driver"]["args"]
+    assert (script, folder) == ("drive-ray", mounts["driver"]["driver"])
+    socket = next(e["value"] for e in SERVING["service"]["env"] if e["name"] == "D3PG_DRIVER")
+    assert socket == f"{folder}/pool.sock"
 
 
 def assert_token_file(container: dict[str, Any]) -> None:
@@ -46,7 +73,7 @@ def assert_token_file(container: dict[str, Any]) -> None:
 @pytest.mark.parametrize("name", TEMPLATES)
 def test_every_volume_mounted_is_there(name: str) -> None:
     pod = TEMPLATES[name]["spec"]
-    mounted = {mount["name"] for mount in pod["containers"][0]["volumeMounts"]}
+    mounted = {mount["name"] for each in pod["containers"] for mount in each["volumeMounts"]}
     assert mounted == {volume["name"] for volume in pod["volumes"]}
     claims = {each["metadata"]["name"] for each in DOCUMENTS if "Claim" in each["kind"]}
     claimed = [
@@ -58,8 +85,7 @@ def test_every_volume_mounted_is_there(name: str) -> None:
 
 
 def test_the_variables_named_are_settings() -> None:
-    [container] = TEMPLATES["service"]["spec"]["containers"]
-    named = {each["name"] for each in container["env"] if each["name"].startswith("D3PG_")}
+    named = {each["name"] for each in SERVING["service"]["env"] if each["name"].startswith("D3PG_")}
     assert named <= {f"D3PG_{name.upper()}" for name in Settings.model_fields}
 
 

@@ -37,7 +37,7 @@ pytestmark = [
     pytest.mark.skipif(not can_separate(), reason="root may make networks, others may not"),
 ]
 
-SERVE = Path(__file__).resolve().parents[2] / "docker" / "serve-in-cluster"
+DOCKER = Path(__file__).resolve().parents[2] / "docker"
 SWEEP: dict[str, Any] = {  # four cohorts of two runs for two cores, so that some wait
     "name": "in harm's way",
     "algorithms": [
@@ -48,24 +48,31 @@ SWEEP: dict[str, Any] = {  # four cohorts of two runs for two cores, so that som
     "seeds": 2,
     "timesteps": 16_000,
 }
+NAMES = ["h", "one", "two", "d", "s"]
 LEASE_SECONDS = 15.0
 TRUTHFUL_SECONDS = 30.0
 
 
 @dataclass(frozen=True)
 class Cluster:
-    """A head without cores, two nodes with one each, and the service, a node without cores."""
+    """A head without cores, two nodes with one each, the driver of Ray, and the service."""
 
     head: Node
     nodes: Sequence[Node]
+    driver: "Driver"
     machine: Machine
     """The service's."""
     service: RunningService
     database: PostgreSQL
 
+    @property
+    def of_ray(self) -> "list[Node | Driver]":
+        """What is Ray's."""
+        return [self.head, *self.nodes, self.driver]
+
     def keep_up(self) -> bool:
         """Start what has ended, as Docker does; whether all is up."""
-        is_up = [node.keep_up() for node in (self.head, *self.nodes)]
+        is_up = [each.keep_up() for each in self.of_ray]
         return all(is_up)
 
     def kill_service(self) -> None:
@@ -79,6 +86,29 @@ class Cluster:
         with psycopg.connect(self.database.conninfo("d3pg")) as connection:
             found = connection.execute(query, [since + LEASE_SECONDS]).fetchone()
         return int(found[0]) if found else 0
+
+
+class Driver:
+    """The process that drives Ray, on a machine of its own: a node without cores."""
+
+    def __init__(self, machine: Machine, address: str, environment: dict[str, str]) -> None:
+        """Start nothing yet."""
+        self.machine = machine
+        self.folder = machine.folder / "shared"
+        self._words = (str(DOCKER / "drive-ray"), address, str(self.folder))
+        self._environment = {
+            **environment,
+            "D3PG_DATA_DIR": str(machine.folder),
+            "PATH": os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]]),
+            "RAY_TMPDIR": str(machine.folder),
+        }
+        self.folder.mkdir()
+
+    def keep_up(self) -> bool:
+        """Start it again where it has ended; whether it listens."""
+        if not self.machine.is_on:
+            self.machine.start(self._words, self._environment)
+        return (self.folder / "pool.sock").exists()
 
 
 @pytest.fixture(scope="module")
@@ -99,26 +129,27 @@ def cluster(
     for name in ("token", "ray_token"):
         (folder / name).write_text(secrets.token_hex(32))
         (folder / name).chmod(0o600)
-    with running_postgresql() as database, separate_machines(["h", "one", "two", "s"]) as machines:
+    with running_postgresql() as database, separate_machines(NAMES) as machines:
         address = f"{machines[0].address}:6379"
         environment = cluster_environment(address, token)
         first = head(machines[0], 6379, environment)
         nodes = [worker(machine, address, environment) for machine in machines[1:3]]
-        wait_for(first.keep_up)
-        for node in nodes:
-            wait_for(node.keep_up)
+        driver = Driver(machines[3], address, environment)
+        of_ray: list[Node | Driver] = [first, *nodes, driver]
+        for each in of_ray:
+            wait_for(each.keep_up)
         service = RunningService(
             data_dir,
             environment={
-                **environment,
-                **service_environment(machines[3]),
+                **service_environment(machines[4]),
+                "D3PG_DRIVER": str(driver.folder / "pool.sock"),
                 "D3PG_RAY_ADDRESS": address,
                 "D3PG_DATABASE_URL": database.create("d3pg"),
             },
-            command=machines[3].command([str(SERVE), str(folder)]),
-            address=machines[3].address,
+            command=machines[4].command([str(DOCKER / "serve-d3pg"), str(folder)]),
+            address=machines[4].address,
         )
-        cluster = Cluster(first, nodes, machines[3], service, database)
+        cluster = Cluster(first, nodes, driver, machines[4], service, database)
         try:
             service.start()
             yield cluster
@@ -134,7 +165,6 @@ def service_environment(machine: Machine) -> dict[str, str]:
         "D3PG_ALLOW_HOST": machine.address,
         "HOME": str(machine.folder),
         "PATH": os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]]),
-        "RAY_TMPDIR": str(machine.folder),
     }
 
 
@@ -224,6 +254,20 @@ def test_the_service_is_killed(cluster: Cluster, undisturbed: Curves) -> None:
     survived(cluster, undisturbed, "killed service", fault)
 
 
+def test_the_driver_is_killed(cluster: Cluster, undisturbed: Curves) -> None:
+    survived(cluster, undisturbed, "killed driver", cluster.driver.machine.kill)
+
+
+def test_service_and_driver_are_killed(cluster: Cluster, undisturbed: Curves) -> None:
+    def fault() -> None:
+        cluster.kill_service()
+        cluster.driver.machine.kill()
+        cluster.keep_up()
+        cluster.service.launch()
+
+    survived(cluster, undisturbed, "killed service and driver", fault)
+
+
 def test_the_head_is_killed(cluster: Cluster, undisturbed: Curves) -> None:
     survived(cluster, undisturbed, "killed head", cluster.head.machine.kill)
 
@@ -241,9 +285,8 @@ def test_the_service_is_killed_while_the_head_is_away(
 
 def test_the_power_is_out(cluster: Cluster, undisturbed: Curves) -> None:
     def fault() -> None:
-        cluster.head.machine.kill()
-        for node in cluster.nodes:
-            node.machine.kill()
+        for each in cluster.of_ray:
+            each.machine.kill()
         cluster.kill_service()
         cluster.keep_up()
         cluster.service.launch()

@@ -6,7 +6,7 @@ document describes, and what does not conform must be refused.
 """
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import pytest
@@ -52,7 +52,7 @@ AnyCase = Case[Any]
 class EmptyPictures:
     """Draws nothing and plays nothing: what is drawn has tests of its own."""
 
-    def call(self, function: str, *arguments: Any) -> Any:
+    def call(self, function: str, *arguments: Any, is_wanted: Callable[[], bool]) -> Any:
         return None if "rollout" in function else b"a picture"
 
     def close(self) -> None:

@@ -23,7 +23,7 @@ import ray
 from ray.util.scheduling_strategies import NodeAffinitySchedulingStrategy
 
 from workers.driver.placement import Node
-from workers.driver.settings import DriverSettings
+from workers.driver.terms import Terms
 from workers.messages.log_tail import log_tail
 from workers.messages.report import Busy, Ended, Failed, Lost, News, Ready, Retired, to_line
 from workers.messages.work import Work
@@ -107,11 +107,13 @@ class ActorSlot:
         self,
         node: Node,
         names: "itertools.count[int]",
-        settings: DriverSettings,
+        terms: Terms,
+        logs: Path,
         send: Send,
     ) -> None:
         """Start the thread."""
-        self._settings = settings
+        self._terms = terms
+        self._logs = logs
         self.node = node.name
         self.worker = ""
         self._names = names
@@ -161,7 +163,7 @@ class ActorSlot:
             self.worker = f"worker-{next(self._names)}"
             self._work = queue.SimpleQueue()
             self._idle_since = time.monotonic()
-            log_path = self._settings.logs / f"{self.worker}.log"
+            log_path = self._logs / f"{self.worker}.log"
             begun = time.monotonic()
             try:
                 self._actor = self._make_actor(log_path)
@@ -177,13 +179,13 @@ class ActorSlot:
         """Begin to make one on the node; where that is dead, its first call raises."""
         actor_class = RemoteWorker.options(
             num_cpus=1,
-            memory=self._settings.worker_bytes or None,
+            memory=self._terms.worker_bytes or None,
             max_restarts=0,
             max_task_retries=0,
             max_concurrency=2,
             scheduling_strategy=NodeAffinitySchedulingStrategy(self.node, soft=False),
         )
-        return actor_class.remote(self.worker, str(log_path), self._settings.checkpoints)
+        return actor_class.remote(self.worker, str(log_path), self._terms.checkpoints)
 
     def _serve(self) -> None:
         """Do work until the worker is retired, or too old, or lost: then ray's error is raised."""

@@ -7,25 +7,22 @@ its node can be given back.
 """
 
 import json
-import socket
 import sys
 import threading
-import time
 import traceback
 from collections import Counter
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
+from contextlib import suppress
 from typing import Any, Protocol
 
 from workers.driver.outbox import Outbox
 from workers.driver.placement import Bounds, Node, vacancies
+from workers.driver.reception import Visit
 from workers.messages.report import Capacity, to_line
 from workers.messages.work import Work
 
 LOOK_SECONDS = 2.0
 """Between two looks at the cluster's nodes."""
-NO_SERVICE_SECONDS = 900.0
-"""How long workers train on while no service is there; then their checkpoints have to do."""
-IDLE_NO_SERVICE_SECONDS = 30.0
 IDLE_SECONDS = 300.0
 """How long a worker that nothing is there for is kept warm; bringing one up takes a few seconds."""
 
@@ -90,18 +87,14 @@ class ActorPool:
         self._closed = threading.Event()
         self._awake = threading.Event()
 
-    def serve(self, listener: socket.socket) -> None:
-        """Do what services say that connect to the listener."""
-        while not self._closed.is_set() and (channel := self._next_service(listener)) is not None:
-            with channel:
-                self._outbox.attach(channel)
-                try:
-                    with channel.makefile("rb") as lines:
-                        for line in lines:
-                            self._obey(json.loads(line))
-                except (OSError, ValueError):  # cut off, perhaps within a line
-                    pass
-                self._outbox.detach()
+    def serve(self, visits: Iterable[Visit]) -> None:
+        """Do what one service after the other says, until one closes the pool or none comes."""
+        for visit in visits:
+            with suppress(OSError, ValueError):  # cut off, perhaps within a line
+                for line in visit.lines:
+                    self._obey(json.loads(line))
+            if self._closed.is_set():
+                break
         self._closed.set()
         self._awake.set()
         with self._lock:
@@ -167,21 +160,6 @@ class ActorPool:
         if workers != self._requested:
             self._cluster.request(workers)
             self._requested = workers
-
-    def _next_service(self, listener: socket.socket) -> socket.socket | None:
-        """Wait for a service: long while something is in training, else briefly."""
-        listener.settimeout(1.0)
-        begun = time.monotonic()
-        while True:
-            try:
-                channel, _ = listener.accept()
-            except TimeoutError:
-                patience = NO_SERVICE_SECONDS if self._outbox.is_busy else IDLE_NO_SERVICE_SECONDS
-                if time.monotonic() - begun > patience:
-                    return None
-            else:
-                channel.settimeout(None)
-                return channel
 
     def _obey(self, command: dict[str, Any]) -> None:
         if command["do"] == "close":

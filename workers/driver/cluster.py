@@ -11,6 +11,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import ray
@@ -20,7 +21,9 @@ from workers.driver.actor import ActorSlot
 from workers.driver.actor_pool import ActorPool
 from workers.driver.outbox import Outbox
 from workers.driver.placement import Node, room
+from workers.driver.reception import Reception
 from workers.driver.settings import DriverSettings
+from workers.driver.terms import Terms
 
 OBJECT_STORE_BYTES = 80 * 2**20  # nearly Ray's least; progress is small and never stored
 JOIN_SECONDS = 20.0
@@ -32,9 +35,10 @@ START_SECONDS = 90.0  # on a busy machine; alone it takes 5 to 8
 class RayCluster:
     """The cluster that this process is connected to."""
 
-    def __init__(self, settings: DriverSettings, send: Callable[[str], None]) -> None:
-        """Workers report to `send`."""
-        self._settings = settings
+    def __init__(self, terms: Terms, logs: Path, send: Callable[[str], None]) -> None:
+        """Workers report to `send`, and log in a folder."""
+        self._terms = terms
+        self._logs = logs
         self._own_node = ray.get_runtime_context().get_node_id()
         self._names = itertools.count(1)
         self._send = send
@@ -48,14 +52,12 @@ class RayCluster:
         living = [node for node in found if node["Alive"]]
         if self._own_node not in {node["NodeID"] for node in living}:
             _give_up("Ray's node on this machine is dead: its raylet was killed, or did not answer")
-        nodes = [
-            Node(n["NodeID"], room(n["Resources"], self._settings.worker_bytes)) for n in living
-        ]
+        nodes = [Node(n["NodeID"], room(n["Resources"], self._terms.worker_bytes)) for n in living]
         return [node for node in nodes if node.room > 0]
 
     def make_slot(self, node: Node) -> ActorSlot:
         """Begin to bring a worker up there."""
-        return ActorSlot(node, self._names, self._settings, self._send)
+        return ActorSlot(node, self._names, self._terms, self._logs, self._send)
 
     def request(self, workers: int) -> None:
         """Ask the autoscaler of a joined cluster for one that holds so many; 0: any.
@@ -64,40 +66,44 @@ class RayCluster:
         placed would ask it too, but each asks for a core beside those that are in use, is pinned to
         a node here, and goes on asking where the work has been done by others meanwhile.
         """
-        memory = self._settings.worker_bytes
-        if self._settings.address:
+        memory = self._terms.worker_bytes
+        if self._terms.address:
             worker = {"CPU": 1} | ({"memory": memory} if memory else {})
             request_resources(bundles=workers * [worker])
 
 
 def drive(listener: socket.socket, settings: DriverSettings) -> None:
-    """Join the cluster, or make one for the workers, and obey who connects to the listener."""
-    _connect(settings)
+    """Have a service say which cluster, join or make it, and obey who connects to the listener."""
+    outbox = Outbox(settings.spool)
+    reception = Reception(listener, outbox, waits_long=settings.stands_alone)
+    terms = reception.first_terms()
+    if terms is None:
+        return
+    _connect(terms, settings.scratch)
     try:
-        outbox = Outbox(settings.spool)
-        pool = ActorPool(outbox, RayCluster(settings, outbox.put), settings.bounds)
+        pool = ActorPool(outbox, RayCluster(terms, settings.logs, outbox.put), terms.bounds)
         follower = threading.Thread(target=pool.follow, name="nodes", daemon=True)
         follower.start()
-        pool.serve(listener)
+        pool.serve(reception.visits())
         follower.join(WITHDRAWAL_SECONDS)
     finally:
         ray.shutdown()
 
 
-def _connect(settings: DriverSettings) -> None:
-    if address := settings.address:
+def _connect(terms: Terms, scratch: str) -> None:
+    if address := terms.address:
         with _deadline(JOIN_SECONDS, f"Ray at {address} did not answer in {JOIN_SECONDS:.0f} s"):
             ray.init(address=address, log_to_driver=False, logging_level=logging.WARNING)
     else:
         with _deadline(START_SECONDS, f"Ray did not start in {START_SECONDS:.0f} s"):
             ray.init(
                 address="local",
-                num_cpus=settings.most,
+                num_cpus=terms.most,
                 object_store_memory=OBJECT_STORE_BYTES,
                 include_dashboard=False,
                 log_to_driver=False,
                 logging_level=logging.WARNING,
-                _temp_dir=settings.scratch,
+                _temp_dir=scratch,
             )
 
 

@@ -3,18 +3,17 @@
 Nothing that a worker said depends on whether somebody listens: what was not acknowledged is told
 again to whoever listens next, after a line for each worker that says what it was doing before.
 While nobody listens the lines are also written to a file (the spool), which is all that is left of
-them when this process ends as well.
+them when this process ends as well: the next one tells them, with the loss of each worker.
 """
 
 import contextlib
 import socket
 import threading
 from collections import deque
-from collections.abc import Iterable
 from io import BufferedWriter
 from pathlib import Path
 
-from workers.messages.report import Lost, Report, from_line, heading
+from workers.messages.report import Lost, from_line, heading, to_line
 
 GREETING = "greeting"
 """The first line of every connection: the pool is there and speaks."""
@@ -66,14 +65,14 @@ class Outbox:
     """Takes lines from any thread and sends them on one of its own."""
 
     def __init__(self, spool: Path) -> None:
-        """Start the thread; nobody listens yet."""
+        """Start the thread, with what an earlier process left to be told; nobody listens yet."""
         self._spool_path = spool
         self._spool: BufferedWriter | None = None
         self._lock = threading.Condition()
         self._channel: socket.socket | None = None
         self._recorded = Roster()  # as of the last line that was acknowledged
         self._told = Roster()
-        self._unacknowledged: deque[str] = deque()
+        self._unacknowledged: deque[str] = deque(lines_left_in(spool))
         self._unsent: deque[str] = deque()
         self._introduction = 0  # lines of the roster that are yet to be acknowledged
         threading.Thread(target=self._send, name="outbox", daemon=True).start()
@@ -85,7 +84,7 @@ class Outbox:
             self._unacknowledged.append(line)
             self._unsent.append(line)
             if self._channel is None:
-                self._write([line])
+                self._write(line)
             self._lock.notify()
 
     def attach(self, channel: socket.socket) -> None:
@@ -102,7 +101,8 @@ class Outbox:
         with self._lock:
             self._channel = None
             self._close_spool()
-            self._write([*self._recorded.lines, *self._unacknowledged])
+            with contextlib.suppress(OSError):
+                self._begin_spool()
 
     def acknowledge(self, count: int) -> None:
         """The first so many lines that were sent and not acknowledged are recorded."""
@@ -130,15 +130,29 @@ class Outbox:
                 with contextlib.suppress(OSError):  # it is gone, and will be detached
                     channel.sendall(line.encode() + b"\n")
 
-    def _write(self, lines: Iterable[str]) -> None:
+    def _write(self, line: str) -> None:
         """Append to the spool. On a full disk the lines are in memory alone."""
         with contextlib.suppress(OSError):
             if self._spool is None:
-                self._spool_path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-                self._spool = self._spool_path.open("wb")
-            for line in lines:
+                self._begin_spool()  # with this line
+            else:
                 self._spool.write(line.encode() + b"\n")
-            self._spool.flush()
+                self._spool.flush()
+
+    def _begin_spool(self) -> None:
+        """Write all that is not recorded, in one: the spool there was holds it until then."""
+        self._spool_path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        draft = self._spool_path.with_suffix(".unfinished")
+        spool = draft.open("wb")
+        try:
+            for line in (*self._recorded.lines, *self._unacknowledged):
+                spool.write(line.encode() + b"\n")
+            spool.flush()
+            draft.replace(self._spool_path)
+        except OSError:
+            spool.close()
+            raise
+        self._spool = spool
 
     def _close_spool(self) -> None:
         if self._spool is not None:
@@ -147,19 +161,23 @@ class Outbox:
             self._spool = None
 
 
-def read_spool(path: Path) -> list[Report]:
-    """Return what a pool that is no more had to say, with the loss of each of its workers.
+def lines_left_in(spool: Path) -> list[str]:
+    """Return what a process that is no more had to say, with the loss of each of its workers.
 
     The last line may have been cut off: a damaged line and all that follow it are left out.
     """
     roster = Roster()
-    reports: list[Report] = []
-    for line in path.read_bytes().split(b"\n"):
+    lines: list[str] = []
+    try:
+        found = spool.read_bytes().split(b"\n")
+    except OSError:
+        return lines
+    for line in found:
         try:
-            reports.append(from_line(line))
+            from_line(line)
         except ValueError:
             break
-        roster.take(line.decode())
+        lines.append(line.decode())
+        roster.take(lines[-1])
     reason = "its worker ended while the service was away"
-    lost = [Lost(worker, reason, "") for worker in roster.workers]
-    return [*reports, *lost]
+    return [*lines, *(to_line(Lost(worker, reason, "")) for worker in roster.workers)]

@@ -6,41 +6,35 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Self
 
-from workers.driver.placement import Bounds
+BINDS_ITSELF = -1
 
 
 @dataclass(frozen=True)
 class DriverSettings:
-    """Where the workers are and what they may take.
+    """Where the process listens and writes; what it is to do, a service tells it (`Terms`).
 
-    listener      descriptor of the socket that services connect to
-    address       cluster to join; empty: a local one, made and ended with the process
-    least, most   workers that are always kept, and at most
-    worker_bytes  memory that each needs of its node; 0: any
-    logs          folder of the workers' logs
-    checkpoints   folder or s3://bucket/prefix
-    spool         file for reports that nobody has taken
-    scratch       folder for Ray's own files, removed at the end; names the process
+    socket    Unix socket that services connect to
+    logs      folder of the workers' logs
+    spool     file for reports that nobody has taken
+    scratch   folder for Ray's own files, removed at the end; names the process
+    listener  descriptor that listens there already; -1: the process stands by itself, binds the
+              socket and waits for services as long as it takes
     """
 
-    listener: int
-    address: str
-    least: int
-    most: int
-    worker_bytes: int
+    socket: Path
     logs: Path
-    checkpoints: str
     spool: Path
     scratch: str
+    listener: int = BINDS_ITSELF
 
     @property
-    def bounds(self) -> Bounds:
-        """How many workers there may be."""
-        return Bounds(self.least, self.most)
+    def stands_alone(self) -> bool:
+        """Whether no service has started the process."""
+        return self.listener == BINDS_ITSELF
 
     def arguments(self) -> list[str]:
         """Write the settings as arguments; `from_arguments` reads them."""
-        return [f"{_flag(name)}={value}" for name, value in asdict(self).items()]
+        return [f"--{name}={value}" for name, value in asdict(self).items()]
 
     @classmethod
     def from_arguments(cls, arguments: Sequence[str] | None = None) -> Self:
@@ -48,9 +42,11 @@ class DriverSettings:
         parser = argparse.ArgumentParser(prog="python -m workers")
         for field in fields(cls):
             kind = field.type if isinstance(field.type, type) else str
-            parser.add_argument(_flag(field.name), type=kind, required=True)
+            is_optional = field.name == "listener"
+            parser.add_argument(
+                f"--{field.name}",
+                type=kind,
+                required=not is_optional,
+                default=BINDS_ITSELF if is_optional else None,
+            )
         return cls(**vars(parser.parse_args(arguments)))
-
-
-def _flag(name: str) -> str:
-    return f"--{name.replace('_', '-')}"

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from workers.messages.progress import Progress
 from workers.messages.work import Work
 
-FORMAT = 3
+FORMAT = 4
 """Of what service and pool say to each other. A pool that was left by a service of another format
 is ended and not taken up."""
 NOBODY = "-"

@@ -2,11 +2,17 @@
 
 import os
 import secrets
+from collections.abc import Mapping
 from pathlib import Path
 
 SECRETIVE = ("D3PG_", "PG")
 """How variables begin that are the service's and its database's alone: they may hold secrets."""
 TOKEN_VARIABLES = ("RAY_AUTH_TOKEN", "RAY_AUTH_TOKEN_PATH")
+
+
+def without_secrets(variables: Mapping[str, str]) -> dict[str, str]:
+    """Return an environment without what is the service's and its database's alone."""
+    return {name: value for name, value in variables.items() if not name.startswith(SECRETIVE)}
 
 
 def pool_environment(ray_address: str, data_dir: Path) -> dict[str, str]:
@@ -21,9 +27,7 @@ def pool_environment(ray_address: str, data_dir: Path) -> dict[str, str]:
     has not answered for about 20 s (its default: over a minute). One thread a worker: the thread
     count of a library changes the bits, and is read as it loads.
     """
-    environment = {
-        name: value for name, value in os.environ.items() if not name.startswith(SECRETIVE)
-    }
+    environment = without_secrets(os.environ)
     environment.update(
         RAY_AUTH_MODE="token",
         RAY_USAGE_STATS_ENABLED="0",

@@ -6,11 +6,12 @@ import sys
 import threading
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import pytest
 
 from service.api import side_process
-from service.api.side_process import BusyError, SideProcess, TooSlowError
+from service.api.side_process import AbandonedError, BusyError, SideProcess, TooSlowError
 
 
 @pytest.fixture
@@ -62,6 +63,24 @@ def test_so_many_wait_and_no_more(side: SideProcess, monkeypatch: pytest.MonkeyP
         leave.set()
         first.result()
     assert side_process.MOST_WAITING > 1
+
+
+def test_what_waits_too_long_or_is_given_up_is_not_begun(side: SideProcess) -> None:
+    impatient = SideProcess(waiting_seconds=0.0)
+    with impatient._turn, pytest.raises(BusyError, match="others before it took 0 s"):
+        impatient.call("os:getpid")
+    with pytest.raises(AbandonedError):
+        side.call("os:_exit", 1, is_wanted=lambda: False)
+    assert side.call("operator:add", 2, 3) == 5, "the next one has its turn"
+
+
+def test_it_has_no_secret_of_the_service(
+    side: SideProcess, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("D3PG_TOKEN", "D3PG_DATABASE_URL", "PGPASSWORD"):
+        monkeypatch.setenv(name, "a-secret-of-the-service")
+    pid = side.call("os:getpid")
+    assert "a-secret" not in Path(f"/proc/{pid}/environ").read_text()
 
 
 def test_a_closed_one_starts_nothing(side: SideProcess) -> None:

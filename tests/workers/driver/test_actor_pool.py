@@ -13,12 +13,14 @@ import pytest
 from tests.workers.fake_cluster import FakeCluster
 from workers.driver.actor_pool import IDLE_SECONDS, ActorPool
 from workers.driver.outbox import Outbox
-from workers.driver.placement import Bounds
+from workers.driver.reception import Reception, Visit
+from workers.driver.terms import Terms
 from workers.messages.assignment import Assignment
 from workers.messages.report import Capacity, Report, from_line
 from workers.messages.run_spec import RunSpec
 from workers.messages.work import Work
 
+TERMS = Terms("head:6379", least=3, most=5, worker_bytes=0, checkpoints="s3://bucket")
 WORK = Work("a-0/1", (Assignment("a-0", 1, RunSpec("ddpg", "Pendulum", 0), 1),))
 
 
@@ -30,6 +32,7 @@ class Service:
         self._channel.settimeout(10.0)
         self._channel.connect(str(path))
         self._lines = self._channel.makefile("rb")
+        self._channel.sendall(TERMS.to_line())
         self._lines.readline()  # the greeting
 
     def say(self, **command: Any) -> None:
@@ -55,19 +58,30 @@ def cluster() -> FakeCluster:
 
 
 @pytest.fixture
-def pool(cluster: FakeCluster, tmp_path: Path) -> ActorPool:
-    return ActorPool(Outbox(tmp_path / "spool.jsonl"), cluster, Bounds(least=3, most=5))
+def outbox(tmp_path: Path) -> Outbox:
+    return Outbox(tmp_path / "spool.jsonl")
 
 
 @pytest.fixture
-def serving(pool: ActorPool, tmp_path: Path) -> Iterator[threading.Thread]:
+def pool(cluster: FakeCluster, outbox: Outbox) -> ActorPool:
+    return ActorPool(outbox, cluster, TERMS.bounds)
+
+
+@pytest.fixture
+def serving(pool: ActorPool, outbox: Outbox, tmp_path: Path) -> Iterator[threading.Thread]:
     with socket.socket(socket.AF_UNIX) as listener:
         listener.bind(str(tmp_path / "sock"))
         listener.listen(1)
-        thread = threading.Thread(target=pool.serve, args=(listener,))
+        reception = Reception(listener, outbox, waits_long=True)
+        thread = threading.Thread(target=lambda: pool.serve(served(reception)))
         thread.start()
         yield thread
         thread.join()
+
+
+def served(reception: Reception) -> Iterator[Visit]:
+    reception.first_terms()
+    yield from reception.visits()
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from workers.driver.outbox import GREETING, Outbox, read_spool
+from workers.driver.outbox import GREETING, Outbox, lines_left_in
 from workers.messages.assignment import Assignment
 from workers.messages.progress import Progress
 from workers.messages.report import (
@@ -26,6 +26,7 @@ READY = Ready("worker-1", 4711, "here")
 BUSY = Busy("worker-1", Work("a-0/1", (Assignment("a-0", 1, RunSpec("ddpg", "Pendulum", 0), 1),)))
 NEWS = [News("worker-1", "a-0/1", Progress(800 * step)) for step in range(1, 4)]
 ENDED = Ended("worker-1", "a-0/1")
+LOST = Lost("worker-1", "its worker ended while the service was away", "")
 
 
 class Listener:
@@ -58,6 +59,10 @@ def spool(tmp_path: Path) -> Path:
 @pytest.fixture
 def outbox(spool: Path) -> Outbox:
     return Outbox(spool)
+
+
+def left_in(spool: Path) -> list[Report]:
+    return [from_line(line) for line in lines_left_in(spool)]
 
 
 def put(outbox: Outbox, *reports: Report) -> None:
@@ -97,11 +102,31 @@ def test_what_nobody_heard_is_in_the_spool_until_it_is_recorded(
     outbox.detach()
     first.close()
     put(outbox, *NEWS)
-    lost = Lost("worker-1", "its worker ended while the service was away", "")
-    assert read_spool(spool) == [BUSY, *NEWS, lost]
+    assert left_in(spool) == [BUSY, *NEWS, LOST]
     second = Listener(outbox)
     assert second.hear(4) == [BUSY, *NEWS]
     outbox.acknowledge(4)
+    assert not spool.exists()
+    second.close()
+
+
+def test_the_next_process_tells_what_one_left_and_keeps_it_until_it_is_recorded(
+    outbox: Outbox, spool: Path
+) -> None:
+    put(outbox, READY, BUSY, NEWS[0])
+    left = [READY, BUSY, NEWS[0], LOST]
+    following = Outbox(spool)
+    following.put(to_line(Capacity(1, slots=0)))  # while nobody listens
+    assert left_in(spool)[:4] == left
+    first = Listener(following)
+    assert first.hear(5) == [*left, Capacity(1, slots=0)]
+    following.acknowledge(4)
+    following.detach()
+    first.close()
+    assert left_in(spool) == [Capacity(1, slots=0)]
+    second = Listener(following)
+    assert second.hear(1) == [Capacity(1, slots=0)]
+    following.acknowledge(1)
     assert not spool.exists()
     second.close()
 
@@ -124,7 +149,7 @@ def test_what_nobody_heard_is_in_the_spool_until_it_is_recorded(
 def test_a_damaged_line_is_left_out(spool: Path, damaged: str) -> None:
     spool.parent.mkdir()
     spool.write_text(f"{to_line(BUSY)}\n{to_line(NEWS[0])}\n{damaged}")
-    assert read_spool(spool)[:-1] == [BUSY, NEWS[0]]
+    assert left_in(spool)[:-1] == [BUSY, NEWS[0]]
 
 
 def test_it_trains_on_a_disk_that_takes_nothing(tmp_path: Path) -> None:

@@ -5,27 +5,26 @@ from pathlib import Path
 
 import pytest
 
-from workers.driver.placement import Bounds
-from workers.driver.settings import DriverSettings
+from workers.driver.settings import BINDS_ITSELF, DriverSettings
 
 SETTINGS = DriverSettings(
-    listener=7,
-    address="",
-    least=1,
-    most=16,
-    worker_bytes=0,
+    socket=Path("/tmp/d3pg-ray-x/pool.sock"),  # noqa: S108
     logs=Path("/data/logs of mine"),
-    checkpoints="s3://bucket/prefix",
     spool=Path("/data/spool/a.jsonl"),
     scratch="/tmp/d3pg-ray-x",  # noqa: S108
+    listener=7,
 )
 
 
-@pytest.mark.parametrize("address", ["", "10.0.0.7:6379"])
-def test_settings_are_read_as_they_were_written(address: str) -> None:
-    settings = replace(SETTINGS, address=address)
+@pytest.mark.parametrize("listener", [7, BINDS_ITSELF])
+def test_settings_are_read_as_they_were_written(listener: int) -> None:
+    settings = replace(SETTINGS, listener=listener)
     assert DriverSettings.from_arguments(settings.arguments()) == settings
-    assert settings.bounds == Bounds(1, 16)
+
+
+def test_one_that_is_given_no_listener_stands_alone() -> None:
+    assert DriverSettings.from_arguments(SETTINGS.arguments()[:-1]).stands_alone
+    assert not SETTINGS.stands_alone
 
 
 def test_a_process_is_known_by_its_scratch_folder() -> None:
@@ -35,4 +34,4 @@ def test_a_process_is_known_by_its_scratch_folder() -> None:
 def test_one_that_lacks_a_setting_does_not_start(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         DriverSettings.from_arguments(SETTINGS.arguments()[1:])
-    assert "--listener" in capsys.readouterr().err
+    assert "--socket" in capsys.readouterr().err

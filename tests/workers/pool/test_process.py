@@ -22,10 +22,20 @@ pytestmark = pytest.mark.cluster
 SPECS = [RunSpec("ddpg", "Pendulum", seed, timesteps=1600) for seed in range(4)]
 
 
+KEPT_BACK = "what-the-service-alone-may-know"
+
+
 @pytest.fixture(scope="module")
 def heard(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Heard]:
+    """A pool that was started by one who has secrets: in its environment, and in an open file."""
     heard = Heard(tmp_path_factory.mktemp("pool"))
-    heard.pool.start()
+    file = heard.settings.data_dir / "token"
+    file.write_text(KEPT_BACK)
+    with pytest.MonkeyPatch.context() as patch, file.open() as held:
+        os.set_inheritable(held.fileno(), True)
+        for name in ("D3PG_TOKEN", "D3PG_DATABASE_URL", "PGPASSWORD"):
+            patch.setenv(name, KEPT_BACK)
+        heard.pool.start()
     yield heard
     heard.pool.close()
 
@@ -56,6 +66,16 @@ def test_every_process_has_the_token_and_one_thread(heard: Heard, workers: list[
             "OMP_NUM_THREADS=1",
             "NUMBA_NUM_THREADS=1",
         } <= set(variables)
+
+
+def test_no_process_inherits_a_secret_of_the_service(heard: Heard, workers: list[Ready]) -> None:
+    started = processes_with(str(heard.settings.data_dir / "ray-token"))
+    assert {worker.pid for worker in workers} < started
+    for process in started:
+        folder = Path(f"/proc/{process}")
+        assert KEPT_BACK not in (folder / "environ").read_text()
+        opened = {each.resolve() for each in (folder / "fd").iterdir() if each.exists()}
+        assert heard.settings.data_dir / "token" not in opened
 
 
 def test_trains_a_cohort(heard: Heard, workers: list[Ready]) -> None:

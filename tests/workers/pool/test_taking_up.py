@@ -8,7 +8,6 @@ import sys
 import tempfile
 import threading
 from collections.abc import Iterator
-from dataclasses import asdict
 from pathlib import Path
 
 import pytest
@@ -32,15 +31,7 @@ def left(settings: PoolSettings, scratch: Path, spoken: int) -> "subprocess.Pope
     assert process.stdout is not None
     with process.stdout as output:
         assert output.readline() == b"up\n"
-    record = {
-        "format": spoken,
-        "process": process.pid,
-        "scratch": str(scratch),
-        "bounds": asdict(settings.bounds),
-        "worker_bytes": settings.worker_bytes,
-        "ray_address": settings.ray_address,
-        "checkpoints": str(settings.checkpoints),
-    }
+    record = {"format": spoken, "process": process.pid, "scratch": str(scratch)}
     (settings.data_dir / "pool.json").write_text(json.dumps(record))
     return process
 

@@ -224,7 +224,7 @@ def test_no_more_is_asked_for_than_can_be_made(
 def test_when_too_many_wait_for_a_figure_it_says_so(
     app: FastAPI, client: TestClient, store: Store, sweep: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def busy(*_: object) -> bytes:
+    def busy(*_: object, **__: object) -> bytes:
         raise BusyError("16 others wait already")
 
     client.post(f"{sweep}/diagnosis")
