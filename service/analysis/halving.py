@@ -20,10 +20,10 @@ import numpy as np
 
 from service.analysis.comparison import grouped, scale
 from service.analysis.statistics.score import SCORES
+from service.model.inquiry.search import Rung, Search
 from service.model.request.entry import Entries
 from service.model.run import RunStatus
 from service.model.run_curve import RunCurve
-from service.model.search import Rung, Search
 from workers.messages.random_return import RandomReturn
 
 Cell = tuple[str, str]

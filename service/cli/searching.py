@@ -16,8 +16,8 @@ from service.cli.identifiers import complete_environment
 from service.cli.submitting import say_notices, show_estimate
 from service.cli.terminal import AsJson, console, print_json, say
 from service.client import Client, SubmissionNotice
+from service.model.inquiry.search import FEWEST_SEEDS
 from service.model.request.entry import setting_text
-from service.model.search import FEWEST_SEEDS
 
 
 def search(

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
-from service.model.search import Search
+from service.model.inquiry.search import Search
 
 
 class SweepStatus(StrEnum):

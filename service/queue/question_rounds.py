@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from service.analysis.question.pairs import Pairs, all_pairs
 from service.analysis.question.verdict import wanted
 from service.model.environment import best_return
-from service.model.question import Question
+from service.model.inquiry.question import Question
 from service.model.request.entry import Entries
 from service.model.sweep import Sweep
 from service.queue.rounds import Rounds

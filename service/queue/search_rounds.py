@@ -10,9 +10,9 @@ from collections.abc import Mapping, Sequence
 
 from service.analysis.halving import Ladder, ladders, wanted
 from service.model.environment import best_return
+from service.model.inquiry.search import Search
 from service.model.request.entry import Entries
 from service.model.run_curve import RunCurve
-from service.model.search import Search
 from service.model.sweep import Sweep
 from service.store.claiming.question_batches import Cell
 from service.store.store import Store

@@ -12,8 +12,8 @@ from typing import Any, Literal
 from sqlalchemy import Engine
 
 from service.model.claim import Claim
+from service.model.inquiry.question import Question
 from service.model.move import Move
-from service.model.question import Question
 from service.model.run import FINAL, RunStatus
 from service.model.run_name import RunName
 from service.queue.question_rounds import next_batch

@@ -4,9 +4,9 @@ import random
 from collections.abc import Callable
 from typing import Any
 
+from service.model.inquiry.search import Search, rungs_of
 from service.model.move import Move
 from service.model.run import FINAL, RunStatus
-from service.model.search import Search, rungs_of
 from service.store.refusal import ImpossibleMoveError, NotFoundError
 from tests.service.promises import Promises, sweep_of
 from workers.messages.run_spec import NO_WEIGHTS, RunSpec

@@ -12,7 +12,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from service.model.search import Search
+from service.model.inquiry.search import Search
 from service.queue.batch import next_together
 from service.queue.dispatch_state import DispatchTimes, State
 from service.queue.messages import (

@@ -12,7 +12,7 @@ import numpy as np
 
 from service.analysis.curves import Floats
 from service.analysis.question.evidence import log_evidence
-from service.model.question import Method
+from service.model.inquiry.question import Method
 
 HALVINGS = 20
 """The bounds are known to within 2 clip / 2^20."""

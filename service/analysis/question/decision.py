@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 
 from service.analysis.curves import Floats
 from service.analysis.question.evidence import log_evidence
-from service.model.question import Question
+from service.model.inquiry.question import Question
 
 Codes = NDArray[np.int8]
 Looks = NDArray[np.int64]

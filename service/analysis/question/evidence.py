@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from service.analysis.curves import Floats
-from service.model.question import Method
+from service.model.inquiry.question import Method
 
 SHARES = (0.1, 0.5, 0.9)
 """f: of the largest stake that cannot lose more than there is."""

@@ -13,7 +13,7 @@ import numpy as np
 from physics.randomness import generator
 from service.analysis.question.decision import refuted
 from service.analysis.question.pairs import Pairs
-from service.model.question import Question
+from service.model.inquiry.question import Question
 
 CONTINUATIONS = 64
 HORIZON = 512

@@ -21,7 +21,7 @@ import numpy as np
 from service.analysis.comparison import grouped, scale
 from service.analysis.curves import Floats
 from service.analysis.statistics.score import SCORES, Scored
-from service.model.question import Question
+from service.model.inquiry.question import Question
 from service.model.request.entry import Entries
 from service.model.run import RunStatus
 from service.model.run_curve import RunCurve

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from service.analysis.question.decision import Outcome
 from service.analysis.question.forecast import HORIZON
 from service.analysis.question.verdict import Answer, Verdict
-from service.model.question import Method, Question
+from service.model.inquiry.question import Method, Question
 
 SCORE_TEXT = {
     "area": "the area under the curve of the normalised return (0 at random, 1 at best)",

@@ -13,7 +13,7 @@ from service.analysis.question.confidence_sequence import ConfidenceSequence, co
 from service.analysis.question.decision import Decisions, Outcome, Refuted, decide, refuted
 from service.analysis.question.forecast import Forecast, forecast
 from service.analysis.question.pairs import Pairs
-from service.model.question import Question
+from service.model.inquiry.question import Question
 
 Cell = tuple[str, str]
 """A task, and an entry's label."""

@@ -17,7 +17,7 @@ from service.api.submission.search_plan import (
     search_faults,
     search_notices,
 )
-from service.model.question import Question
+from service.model.inquiry.question import Question
 from service.model.request.entry import Entries, Entry, Json
 from service.model.request.plan import Plan
 from workers.messages.run_spec import RunSpec, Weights

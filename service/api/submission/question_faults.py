@@ -8,9 +8,9 @@ from service.analysis.question.forecast import MOST_PAIRS, fewest_to_equivalence
 from service.api.refusals.nearest import unknown_name
 from service.api.refusals.problems import Fault, printable
 from service.api.schemas.requests.sweep_request import MAX_RUNS, MAX_SEED
-from service.model.question import Question
+from service.model.inquiry.question import Question
+from service.model.inquiry.tuning_seeds import PRESETS, SEARCHES, chooses, seeds_text
 from service.model.request.entry import Entries
-from service.model.tuning_seeds import PRESETS, SEARCHES, chooses, seeds_text
 
 SMALL_CLIP = 0.25
 MAX_LOOKS = 200

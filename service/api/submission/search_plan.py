@@ -8,15 +8,15 @@ from service.analysis.comparison import grouped
 from service.api.refusals.problems import Fault, InvalidRequest
 from service.api.schemas.requests.sweep_request import MAX_RUNS, SweepRequest
 from service.api.schemas.search.search_request import SearchRequest
-from service.model.request.entry import Entry
-from service.model.search import (
+from service.model.inquiry.search import (
     FEWEST_SEEDS,
     Search,
     cost_of_a_seed,
     rungs_of,
     search_seeds,
 )
-from service.model.tuning_seeds import SEARCHES, seeds_text
+from service.model.inquiry.tuning_seeds import SEARCHES, seeds_text
+from service.model.request.entry import Entry
 from workers.messages.run_spec import RunSpec
 
 Cells = Sequence[tuple[Entry, RunSpec]]

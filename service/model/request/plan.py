@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from service.model.environment import environment_facts
+from service.model.inquiry.search import Search
 from service.model.request.entry import Entry
-from service.model.search import Search
 from workers.messages.run_spec import RunSpec
 
 

@@ -16,8 +16,8 @@ from sqlalchemy import (
     select,
 )
 
+from service.model.inquiry.search import Search
 from service.model.run import ACTIVE, RunStatus
-from service.model.search import Search
 from service.model.sweep import RunCounts, Sweep, SweepStatus
 from service.store.column_types import now
 from service.store.reading import events, random_returns, sweep_names

@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from service.analysis.halving import Ladder, ladders, wanted
+from service.model.inquiry.search import Search, SearchScore, rungs_of, search_seeds
 from service.model.request.entry import Entries
 from service.model.run import RunStatus
 from service.model.run_curve import RunCurve
-from service.model.search import Search, SearchScore, rungs_of, search_seeds
 from tests.service.scored import run_curve
 from workers.messages.random_return import RandomReturn
 

@@ -20,7 +20,7 @@ SEARCHED = ("-e", "Pendulum", "--grid", "noise=0.1,0.4", "--grid", "tau=0.01,0.0
 
 def worth(spec: RunSpec, timestep: int) -> float:
     """Noise 0.4 is the best, with the larger tau."""
-    return RANDOM * (1 - timestep / 2400 * (spec.config["noise"] + spec.config["tau"]))
+    return float(RANDOM * (1 - timestep / 2400 * (spec.config["noise"] + spec.config["tau"])))
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import pytest
 
 from algorithms.early_end import Divergence, Failure
 from algorithms.measurement import Measurement
-from service.model.question import Question
+from service.model.inquiry.question import Question
 from service.model.sweep import Sweep, SweepStatus
 from service.queue.question_rounds import QuestionRounds, look_at_all, next_batch
 from service.store.reading.sweep_search import SweepSearch

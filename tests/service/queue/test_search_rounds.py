@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from algorithms.early_end import Divergence, Failure
 from algorithms.measurement import Measurement
-from service.model.search import Search, rungs_of, search_seeds
+from service.model.inquiry.search import Search, rungs_of, search_seeds
 from service.model.sweep import Sweep, SweepStatus
 from service.queue.question_rounds import look_at_all
 from service.queue.search_rounds import ladders_of, next_rung

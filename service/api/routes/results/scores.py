@@ -28,7 +28,7 @@ from service.api.schemas.search.search_answer import SearchAnswer
 from service.api.schemas.statistics_answer import StatisticsAnswer
 from service.model.compared import Compared
 from service.model.environment import best_return
-from service.model.question import Question
+from service.model.inquiry.question import Question
 from service.model.request.entry import Entries
 from service.queue.question_rounds import pairs_of
 from service.queue.search_rounds import ladders_of, searches_that_tried

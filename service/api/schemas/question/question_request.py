@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, ConfigDict, Field
 
 from service.api.schemas.requests.texts import Request, Text
-from service.model.question import SECONDS_TO, Method
+from service.model.inquiry.question import SECONDS_TO, Method
 
 MAX_SEEDS = 10_000
 

@@ -10,9 +10,9 @@ from service.analysis.question.decision import Outcome
 from service.analysis.question.sentences import paper_sentence, sentence
 from service.analysis.question.verdict import Answer, Verdict
 from service.api.schemas.number import Numbers, finite_or_none, numbers
-from service.model.question import Question
+from service.model.inquiry.question import Question
+from service.model.inquiry.tuning_seeds import PRESETS, SEARCHES, seeds_text
 from service.model.sweep import Sweep
-from service.model.tuning_seeds import PRESETS, SEARCHES, seeds_text
 
 Decision = Literal["open", "better", "worse", "equivalent", "dropped", "stalled", "undecided"]
 

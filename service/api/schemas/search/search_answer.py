@@ -6,9 +6,9 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from service.analysis.halving import Climb, Ladder, Standing
 from service.api.schemas.number import finite_or_none
+from service.model.inquiry.search import Rung, Search
+from service.model.inquiry.tuning_seeds import seeds_text
 from service.model.request.entry import Entries, Entry
-from service.model.search import Rung, Search
-from service.model.tuning_seeds import seeds_text
 
 DEFINITION = (
     "The entries of a task are trained to the timesteps of the first rung; the best of them, one "

@@ -3,7 +3,7 @@
 from pydantic import Field
 
 from service.api.schemas.requests.texts import Request
-from service.model.search import SearchScore
+from service.model.inquiry.search import SearchScore
 
 MAX_BUDGET = 10**12
 

@@ -19,7 +19,7 @@ from physics.randomness import generator
 from service.analysis.curves import Floats
 from service.analysis.question.decision import Decisions, Outcome, decide, refuted
 from service.analysis.question.evidence import log_evidence
-from service.model.question import Method, Question
+from service.model.inquiry.question import Method, Question
 
 Flags = NDArray[np.bool_]
 

@@ -5,7 +5,7 @@ import pytest
 
 from service.analysis.question.confidence_sequence import confidence_sequence
 from service.analysis.question.evidence import log_evidence
-from service.model.question import Method
+from service.model.inquiry.question import Method
 
 LOOKS = (0, 4, 8, 30)
 DIFFERENCES = np.random.default_rng(1).uniform(-0.1, 0.2, 30)

@@ -8,7 +8,7 @@ import pytest
 from service.analysis.curves import Floats
 from service.analysis.question.confidence_sequence import confidence_sequence
 from service.analysis.question.decision import Decisions, Outcome, Refuted, decide, refuted
-from service.model.question import Method, Question
+from service.model.inquiry.question import Method, Question
 
 QUESTION = Question(tuple(range(8)), ("h",), "ddpg", max_seeds=24)
 OPEN, BETTER, WORSE, EQUIVALENT, DROPPED, STALLED = Outcome

@@ -10,7 +10,7 @@ from scipy.stats import t as student
 
 from service.analysis.curves import Floats
 from service.analysis.question.evidence import EFFECT_PRECISION, log_evidence
-from service.model.question import Method
+from service.model.inquiry.question import Method
 
 METHODS: tuple[Method, ...] = ("bounded", "normal")
 CONFSEQ_DATA = np.array([0.6, 0.55, 0.7, 0.5, 0.62, 0.4, 0.66, 0.58])

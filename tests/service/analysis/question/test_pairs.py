@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from service.analysis.question.pairs import Counts, Pairs, all_pairs
-from service.model.question import Question
+from service.model.inquiry.question import Question
 from service.model.run import RunStatus
 from service.model.run_curve import RunCurve
 from tests.service.scored import ByAlgorithm, run_curve

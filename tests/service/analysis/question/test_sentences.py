@@ -12,7 +12,7 @@ from service.analysis.question.forecast import Forecast
 from service.analysis.question.pairs import Counts, Pairs
 from service.analysis.question.sentences import paper_sentence, sentence
 from service.analysis.question.verdict import Answer, Verdict
-from service.model.question import Question
+from service.model.inquiry.question import Question
 
 QUESTION = Question(tuple(range(8)), ("h",), "ddpg")
 

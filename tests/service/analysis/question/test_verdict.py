@@ -9,7 +9,7 @@ from service.analysis.question.decision import Outcome
 from service.analysis.question.forecast import fewest_to_equivalence, forecast
 from service.analysis.question.pairs import Counts, Pairs
 from service.analysis.question.verdict import verdict, wanted
-from service.model.question import Question
+from service.model.inquiry.question import Question
 
 QUESTION = Question(tuple(range(8)), ("h",), "ddpg", clip=0.25, max_seeds=64)
 MEANS = {"Acrobot": 0.2, "CartPole": 0.05, "Pendulum": 0.0}

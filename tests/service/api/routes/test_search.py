@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 from starlette.testclient import TestClient
 
-from service.model.search import search_seeds
+from service.model.inquiry.search import search_seeds
 from service.queue.question_rounds import look_at_all
 from service.store.store import Store
 from tests.service.training import RANDOM, random_return, train
@@ -30,7 +30,7 @@ def searching(budget: int = 3 * SEED_COST, **fields: Any) -> dict[str, Any]:
 
 def worth(spec: RunSpec, timestep: int) -> float:
     """Noise 0.4 is the best."""
-    return RANDOM * (1 - timestep / 2400 * (1 - abs(spec.config["noise"] - 0.4)))
+    return float(RANDOM * (1 - timestep / 2400 * (1 - abs(spec.config["noise"] - 0.4))))
 
 
 def train_rungs(store: Store) -> None:

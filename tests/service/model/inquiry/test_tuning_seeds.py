@@ -1,6 +1,6 @@
 """Seeds that choose settings."""
 
-from service.model.tuning_seeds import PRESETS, SEARCHES, chooses, seeds_text
+from service.model.inquiry.tuning_seeds import PRESETS, SEARCHES, chooses, seeds_text
 from service.paper import evaluation, tuning
 
 

@@ -1,7 +1,7 @@
 """Seeds that choose settings. No question counts them: what was chosen for its luck would win.
 
 PRESETS   searches and trials that the presets come from (service/paper, results/trials.csv)
-SEARCHES  searches of a service (service/model/search.py)
+SEARCHES  searches of a service (service/model/inquiry/search.py)
 """
 
 PRESETS = range(100, 116)

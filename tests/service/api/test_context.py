@@ -7,7 +7,7 @@ import pytest
 from anyio import to_thread
 from fastapi import Request
 
-from service.api.requested_side import RequestedSide
+from service.api.context import RequestedSide
 from service.api.side_process import AbandonedError, SideProcess
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from itertools import count, islice
 from typing import Any, Literal, Self
 
-from service.model.tuning_seeds import chooses
+from service.model.inquiry.tuning_seeds import chooses
 
 Method = Literal["bounded", "normal"]
 

@@ -23,7 +23,7 @@ from itertools import pairwise
 from typing import Any, Literal, Self, get_args
 
 from algorithms.measurement import MEASURE_EVERY
-from service.model.tuning_seeds import SEARCHES
+from service.model.inquiry.tuning_seeds import SEARCHES
 
 SearchScore = Literal["area", "final"]
 SEARCH_SCORES: tuple[SearchScore, ...] = get_args(SearchScore)

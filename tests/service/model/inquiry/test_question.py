@@ -2,7 +2,7 @@
 
 import pytest
 
-from service.model.question import Question
+from service.model.inquiry.question import Question
 
 ASKED = {"compare": ["hybrid-ddpg"], "with": "ddpg", "until": "decided", "margin": 0.05}
 

@@ -6,14 +6,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.model.search import (
+from service.model.inquiry.search import (
     Rung,
     Search,
     cost_of_a_seed,
     rungs_of,
     search_seeds,
 )
-from service.model.tuning_seeds import chooses
+from service.model.inquiry.tuning_seeds import chooses
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,1 @@
+"""What a sweep is to find out: a question, or the best of a search."""
