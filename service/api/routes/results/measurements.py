@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import StreamingResponse
 
+from service.api.access.authority import MAY_READ
 from service.api.context import TheRun, TheStore, TheSweep
 from service.api.negotiation import asked_form
 from service.api.schemas.measurements_answer import (
@@ -21,7 +22,7 @@ from service.model.run_name import RunName
 from service.model.sweep import Sweep
 from service.store.store import Store
 
-router = APIRouter(tags=["runs"])
+router = APIRouter(tags=["runs"], dependencies=[MAY_READ])
 
 Format = Literal["json", "csv"]
 CSV_EXAMPLE = (
