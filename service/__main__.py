@@ -1,5 +1,6 @@
 """`python -m service`: the server, until Ctrl-C or SIGTERM."""
 
+import logging
 import signal
 import socket
 import sys
@@ -9,15 +10,23 @@ import uvicorn
 from fastapi import FastAPI
 from pydantic import ValidationError
 
-from service.api.access_token import access_token, signin_link
+from service.api.access.links import signin_path
+from service.api.access.register import Register
 from service.api.logs import configure_logging
 from service.bootstrap import wired
-from service.listening import listen
+from service.listening import listen, refuse_unusable
 from service.refusal import RefusalError
 from service.settings import Settings
 
 SHUTDOWN_SECONDS = 2
 """How long open requests may take to end; then they are cut."""
+
+OVERHEARD = (
+    "D3PG_HOST=%s without TLS: whoever listens on that network can take tokens and sessions; set "
+    "D3PG_TLS_CERTIFICATE and D3PG_TLS_KEY, or D3PG_PUBLIC_URL to the https:// address of a proxy."
+)
+
+log = logging.getLogger(__name__)
 
 
 def main() -> int:
@@ -32,11 +41,15 @@ def main() -> int:
     configure_logging()
     # As Ctrl-C: uvicorn closes its connections, then everything else is closed on the way out.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
+    if settings.is_overheard:
+        log.warning(OVERHEARD, settings.host)
     try:
+        refuse_unusable(settings.tls_certificate, settings.tls_key)
         with closing(listen(settings.host, settings.port)) as listener, wired(settings) as app:
             here = settings.model_copy(update={"port": listener.getsockname()[1]})
-            print(signin_link(here, access_token(settings)), flush=True)  # noqa: T201
-            serve(app, listener)
+            register: Register = app.state.register
+            print(f"{here.public.url}{signin_path(register.new_code())}", flush=True)  # noqa: T201
+            serve(app, listener, here)
     except RefusalError as refusal:
         print(refusal, file=sys.stderr)  # noqa: T201
         return 2
@@ -45,9 +58,16 @@ def main() -> int:
     return 0
 
 
-def serve(app: FastAPI, listener: socket.socket) -> None:
+def serve(app: FastAPI, listener: socket.socket, settings: Settings) -> None:
     """Answer requests until the process is told to end."""
-    config = uvicorn.Config(app, log_config=None, timeout_graceful_shutdown=SHUTDOWN_SECONDS)
+    config = uvicorn.Config(
+        app,
+        log_config=None,
+        timeout_graceful_shutdown=SHUTDOWN_SECONDS,
+        ssl_certfile=settings.tls_certificate,
+        ssl_keyfile=settings.tls_key,
+        proxy_headers=False,  # whom it serves, and where, the settings say
+    )
     with suppress(KeyboardInterrupt):  # it ends in order, then hands on the signal that ended it
         uvicorn.Server(config).run(sockets=[listener])
 

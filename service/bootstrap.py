@@ -7,7 +7,7 @@ from pathlib import Path
 
 from fastapi import FastAPI
 
-from service.api.access_token import webhook_secret
+from service.api.access.access_token import webhook_secret
 from service.api.app import create_app
 from service.api.side_process import SideProcess, TooSlowError
 from service.data_dir import owned
@@ -53,7 +53,7 @@ def wired(settings: Settings) -> Iterator[FastAPI]:
                     store,
                     partial(webhook_secret, settings),
                     settings.webhook_hosts,
-                    settings.url,
+                    settings.public.url,
                 ),
                 Disposal(store, settings.checkpoint_place, settings.retention),
                 QuestionRounds(store),

@@ -15,6 +15,7 @@ from __future__ import annotations
 import csv
 import io
 import os
+import ssl
 import time
 import uuid
 import warnings
@@ -42,6 +43,15 @@ from service.api.schemas.measured.measurements_answer import MeasurementsAnswer
 from service.api.schemas.measured.scores_answer import ScoresAnswer
 from service.api.schemas.number import unsayable
 from service.api.schemas.page import DEFAULT_LIMIT, Page
+from service.api.schemas.people import (
+    DAYS,
+    NewShareAnswer,
+    NewUserAnswer,
+    SessionAnswer,
+    ShareAnswer,
+    SignInAnswer,
+    UserAnswer,
+)
 from service.api.schemas.question.verdict_answer import VerdictAnswer
 from service.api.schemas.readiness_answer import ReadinessAnswer
 from service.api.schemas.requests.bulk import BulkAnswer, DeletionAnswer
@@ -54,6 +64,7 @@ from service.api.schemas.statistics_answer import StatisticsAnswer
 from service.api.schemas.sweep_answer import DryRunAnswer, SweepAnswer, SweepHead
 from service.export.measured_run import MeasuredRun, measured_runs
 from service.extras import required
+from service.model.caller import Scope
 from service.model.move import Move
 from service.model.run import RunStatus
 from service.model.run_name import is_run
@@ -92,28 +103,51 @@ class SubmissionNotice(UserWarning):
 
 
 def find_token() -> str:
-    """The service's token: `D3PG_TOKEN`, else the file `token` in `D3PG_DATA_DIR` (./d3pg-data).
+    """The token to call a service with.
+
+    That is `D3PG_TOKEN`, else the content of the file `D3PG_TOKEN_FILE`, else of the file `token`
+    in `D3PG_DATA_DIR` (./d3pg-data).
 
     Raises:
-        ServiceError: if neither is there.
+        ServiceError: if none is there, or the file can be read by other users.
     """
     if token := os.environ.get("D3PG_TOKEN"):
         return token
-    file = Path(os.environ.get("D3PG_DATA_DIR") or "d3pg-data") / "token"
+    named = os.environ.get("D3PG_TOKEN_FILE")
+    file = Path(named or Path(os.environ.get("D3PG_DATA_DIR") or "d3pg-data") / "token")
     try:
+        if file.stat().st_mode & 0o077:
+            raise ServiceError(
+                f"{file} can be read by other users, so its token is no secret: run chmod 600 "
+                f"{file}, or have another token made if you do not trust them."
+            )
         return file.read_text(encoding="utf-8").strip()
     except OSError as error:
         raise ServiceError(
             f"No token: D3PG_TOKEN is not set and {file} cannot be read ({error.strerror}). "
             "Start the service here with `d3pg serve`, name its data directory with "
-            "D3PG_DATA_DIR, or set D3PG_TOKEN."
+            "D3PG_DATA_DIR, or a file with a token of yours with D3PG_TOKEN_FILE."
         ) from error
 
 
 def own_url() -> str:
     """Where a service with this environment's settings is found."""
+    has_tls = bool(os.environ.get("D3PG_TLS_CERTIFICATE"))
+    if has_tls and (public := os.environ.get("D3PG_PUBLIC_URL")):
+        return public  # it has the name that the certificate is for
     port = os.environ.get("D3PG_PORT") or "8000"
-    return url_of(os.environ.get("D3PG_HOST") or "127.0.0.1", port)
+    host = os.environ.get("D3PG_HOST") or "127.0.0.1"
+    return url_of(host, port, "https" if has_tls else "http")
+
+
+def trusted() -> ssl.SSLContext | bool:
+    """Whom to believe over TLS: the usual authorities, and a service with our settings."""
+    certificate = os.environ.get("D3PG_TLS_CERTIFICATE")
+    if not certificate:
+        return True
+    context = ssl.create_default_context()
+    context.load_verify_locations(certificate)
+    return context
 
 
 class Client:
@@ -149,6 +183,7 @@ class Client:
             headers={"Authorization": f"Bearer {self.token}"},
             timeout=timeout_seconds,
             trust_env=not is_on_loopback(self.url),
+            verify=trusted(),
         )
 
     def __enter__(self) -> Self:
@@ -214,6 +249,7 @@ class Client:
         environment: str | None = None,
         status: SweepStatus | str | None = None,
         archived: bool | None = False,
+        owner: str | None = None,
     ) -> Iterator[ListedSweepAnswer]:
         """Sweeps, newest first; fetched page by page while you iterate.
 
@@ -224,9 +260,11 @@ class Client:
             environment: those with runs in it.
             status: those that stand there.
             archived: None for all sweeps, True for archived ones alone.
+            owner: those that they submitted.
         """
         asked = {
             "q": q,
+            "owner": owner,
             "tag": tag,
             "algorithm": algorithm,
             "environment": environment,
@@ -317,8 +355,7 @@ class Client:
 
     def attempts(self, run_id: str) -> list[AttemptAnswer]:
         """The attempts of a run, oldest first, with how each one ended."""
-        answer = self._call("GET", f"/runs/{run_id}/attempts").json()
-        return [AttemptAnswer.model_validate(attempt) for attempt in answer]
+        return self._list(AttemptAnswer, f"/runs/{run_id}/attempts")
 
     def move(self, identifier: str, move: Move) -> SweepAnswer | RunAnswer:
         """Cancel, pause, resume, retry or uncancel a sweep, or a single run.
@@ -639,6 +676,68 @@ class Client:
         path = f"{path_of(identifier)}/diagnosis/{figure}.{form}"
         return self._call("GET", path, params=options).content
 
+    def users(self) -> list[UserAnswer]:
+        """Users by name, those that were revoked too; for administrators."""
+        return self._list(UserAnswer, "/users")
+
+    def add_user(self, name: str, scope: Scope | str) -> NewUserAnswer:
+        """Make a user; the answer tells the token, this once. For administrators.
+
+        Args:
+            name: lower case letters, digits, and `._-` after the first.
+            scope: "metrics", "read", "submit" or "admin".
+        """
+        asked = {"name": name, "scope": str(scope)}
+        answer = self._call("POST", "/users", json=asked)
+        return NewUserAnswer.model_validate_json(answer.content)
+
+    def revoke_user(self, name: str) -> UserAnswer:
+        """Take a user's token away, with its sessions and shares; for administrators."""
+        answer = self._call("DELETE", f"/users/{name}")
+        return UserAnswer.model_validate_json(answer.content)
+
+    def share(
+        self, sweep_ids: Sequence[str], *, days: int = DAYS, page: str | None = None
+    ) -> NewShareAnswer:
+        """Make a link that lets whoever has it read some sweeps, for a time.
+
+        Args:
+            sweep_ids: the sweeps.
+            days: until it expires.
+            page: the path that it opens, such as "/compare?sweep=ID&sweep=ID&band=ci95"; by default
+                the page of the sweep, or the comparison of several.
+        """
+        asked = {"sweeps": list(sweep_ids), "days": days, "page": page}
+        answer = self._call("POST", "/shares", json=asked)
+        return NewShareAnswer.model_validate_json(answer.content)
+
+    def shares(self) -> list[ShareAnswer]:
+        """The shares that have not expired: one's own, for an administrator those of all."""
+        return self._list(ShareAnswer, "/shares")
+
+    def revoke_share(self, share_id: str) -> ShareAnswer:
+        """Take a share back, at once."""
+        answer = self._call("DELETE", f"/shares/{share_id}")
+        return ShareAnswer.model_validate_json(answer.content)
+
+    def sign_in_link(self, page: str = "/") -> SignInAnswer:
+        """A link that signs a browser in, once, within ten minutes.
+
+        Args:
+            page: the path that it opens.
+        """
+        answer = self._call("POST", "/sign-in-links", json={"page": page})
+        return SignInAnswer.model_validate_json(answer.content)
+
+    def sessions(self) -> list[SessionAnswer]:
+        """The browsers that are signed in: one's own, for an administrator those of all."""
+        return self._list(SessionAnswer, "/sessions")
+
+    def end_session(self, session_id: str) -> SessionAnswer:
+        """Sign a browser out, at once."""
+        answer = self._call("DELETE", f"/sessions/{session_id}")
+        return SessionAnswer.model_validate_json(answer.content)
+
     def catalogue_names(self, kind: Literal["algorithms", "environments"]) -> dict[str, str]:
         """The names of the algorithms or of the tasks, each with a line on it, if there is one."""
         listed = self._call("GET", "/catalogue").json()[kind]
@@ -686,6 +785,9 @@ class Client:
 
     def _get(self, model: type[Answer], path: str, **params: Any) -> Answer:
         return model.model_validate_json(self._call("GET", path, params=params).content)
+
+    def _list(self, model: type[Answer], path: str) -> list[Answer]:
+        return [model.model_validate(each) for each in self._call("GET", path).json()]
 
     def _pages(self, model: type[Page[Answer]], path: str, **params: Any) -> Iterator[Answer]:
         cursor: dict[str, str] = {}

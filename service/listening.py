@@ -1,7 +1,9 @@
-"""The socket that the service listens on, taken before anything else is started."""
+"""The socket that the service listens on, taken before anything else is started; its TLS."""
 
 import errno
 import socket
+import ssl
+from pathlib import Path
 
 from service.refusal import RefusalError
 
@@ -16,6 +18,31 @@ REASONS = {
 
 class AddressError(RefusalError):
     """The service cannot listen there; the text says why."""
+
+
+class CertificateError(RefusalError):
+    """The service cannot speak TLS with these files; the text says why."""
+
+
+def refuse_unusable(certificate: Path | None, key: Path | None) -> None:
+    """Raise CertificateError for files with which the service could not speak TLS."""
+    if certificate is None or key is None:
+        return
+    try:
+        ssl.create_default_context(ssl.Purpose.CLIENT_AUTH).load_cert_chain(
+            certificate, key, password=_no_password
+        )
+    except OSError as error:
+        raise CertificateError(
+            f"cannot speak TLS with D3PG_TLS_CERTIFICATE={certificate} and D3PG_TLS_KEY={key} "
+            f"({error.strerror or error}): name a certificate chain and its key, both PEM, the key "
+            "without a password, readable by this user"
+        ) from error
+
+
+def _no_password() -> str:
+    """Answer instead of a person at a terminal, whom OpenSSL would ask."""
+    return ""
 
 
 def listen(host: str, port: int) -> socket.socket:

@@ -10,7 +10,7 @@ from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 from sqlalchemy import URL, make_url
 from sqlalchemy.exc import ArgumentError
 
-from service.address import LOOPBACK_HOSTS, WILDCARDS, as_url_host, url_of
+from service.address import LOOPBACK_HOSTS, WILDCARDS, Public, as_url_host, public_of, url_of
 from service.queue.disposal import Retention
 from service.queue.worker_memory import LEAST_BYTES, PROCESS_BYTES, usual_worker_memory
 from workers.checkpoints.place import Place, place_of
@@ -101,6 +101,14 @@ class Settings(BaseSettings):
         default=(),
         description="Host names to answer to besides loopback, separated by commas",
     )
+    public_url: str = Field(
+        default="",
+        description="Where a proxy makes it reachable, such as https://lab.example/d3pg",
+    )
+    tls_certificate: Path | None = Field(
+        default=None, description="File with the certificate chain (PEM), to speak TLS itself"
+    )
+    tls_key: Path | None = Field(default=None, description="File with its private key (PEM)")
 
     tasks: Annotated[tuple[Path, ...], NoDecode] = Field(
         default=(),
@@ -140,6 +148,11 @@ class Settings(BaseSettings):
             )
         return value
 
+    @field_validator("public_url")
+    @classmethod
+    def _refuse_what_nobody_finds(cls, value: str) -> str:
+        return public_of(value).url if value else ""
+
     @field_validator("token")
     @classmethod
     def _refuse_short_token(cls, value: SecretStr | None) -> SecretStr | None:
@@ -152,10 +165,19 @@ class Settings(BaseSettings):
 
     @model_validator(mode="after")
     def _refuse_unnamed_exposure(self) -> Self:
-        if not self.is_loopback and not self.allow_host:
+        if not self.is_loopback and not self.allow_host and not self.public_url:
             raise ValueError(
                 f"D3PG_HOST={self.host} makes the service reachable from other machines: name the "
-                "host names it is reached by in D3PG_ALLOW_HOST (--allow-host), separated by commas"
+                "address it is reached by in D3PG_PUBLIC_URL (--public-url), or host names in "
+                "D3PG_ALLOW_HOST (--allow-host), separated by commas"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _refuse_half_of_tls(self) -> Self:
+        if (self.tls_certificate is None) != (self.tls_key is None):
+            raise ValueError(
+                "D3PG_TLS_CERTIFICATE and D3PG_TLS_KEY belong together: set both, or none"
             )
         return self
 
@@ -177,6 +199,7 @@ class Settings(BaseSettings):
     def allowed_hosts(self) -> frozenset[str]:
         """Host names (as in a URL, without port) that a request may be addressed to."""
         own = set() if self.host in WILDCARDS else {as_url_host(self.host)}
+        own |= {self.public.host}
         return LOOPBACK_HOSTS | own | {as_url_host(name) for name in self.allow_host}
 
     @property
@@ -209,8 +232,19 @@ class Settings(BaseSettings):
 
     @property
     def url(self) -> str:
-        """Where a browser on this machine finds the service."""
-        return url_of(self.host, self.port)
+        """Where this machine finds the service."""
+        return url_of(self.host, self.port, "http" if self.tls_certificate is None else "https")
+
+    @property
+    def public(self) -> Public:
+        """Where everybody finds the service: `public_url`, else `url`."""
+        return public_of(self.public_url) if self.public_url else Public(self.url)
+
+    @property
+    def is_overheard(self) -> bool:
+        """Whether tokens cross a network in the clear, as far as the settings tell."""
+        is_encrypted = self.tls_certificate is not None or self.public.is_secure
+        return not self.is_loopback and not is_encrypted
 
 
 def variable_of(name: str) -> str:

@@ -1,6 +1,7 @@
 """The application: routes, what stands in front of them, and what they are given.
 
-From outside in: request id, access log, the guard (host, origin, token), the body limit, routes.
+From outside in: the public prefix, request id, access log, the guard (host, origin, token), the
+body limit, routes, each of which says who may call it.
 Whoever makes the application opens and closes store and dispatcher; no Ray, torch or matplotlib
 here: figures are drawn in a process beside (`service/api/side_process.py`).
 """
@@ -10,16 +11,20 @@ from contextlib import asynccontextmanager
 
 from asgi_correlation_id import CorrelationIdMiddleware
 from fastapi import APIRouter, FastAPI
-from fastapi_offline import FastAPIOffline
 from starlette.concurrency import run_in_threadpool
 
-from service.api.access_token import access_token
+from service.api.access.access_token import access_token
+from service.api.access.authority import refuse_undeclared
+from service.api.access.cookie import session_cookie
+from service.api.access.guard import Guard
+from service.api.access.register import Register
 from service.api.body_limit import BodyLimit
 from service.api.context import Workforce
 from service.api.diagnoser import LIMIT_SECONDS, Diagnoser
 from service.api.event_feed import EventFeed
 from service.api.invalid_request import refuse_invalid
 from service.api.logs import AccessLog
+from service.api.place import PublicPrefix
 from service.api.refusals.problem_schema import describe_problems
 from service.api.refusals.problems import install_problem_handlers
 from service.api.routes import (
@@ -33,13 +38,12 @@ from service.api.routes import (
     policies,
     rollouts,
     runs,
-    signin,
     submissions,
     sweeps,
     workers,
 )
+from service.api.routes.people import sessions, shares, signin, users
 from service.api.routes.results import curves, diagnoses, figures, measurements, report, scores
-from service.api.security import Guard
 from service.api.side_process import SideProcess
 from service.settings import Settings
 from service.store.store import Store
@@ -63,6 +67,9 @@ RESOURCES = (
     events,
     catalogue,
     workers,
+    users,
+    shares,
+    sessions,
 )
 
 
@@ -79,19 +86,25 @@ def create_app(
     settings: Settings, store: Store, dispatcher: Workforce, shelf: TaskShelf | None = None
 ) -> FastAPI:
     """Make the application on an open store; `dispatcher` says whether runs can start."""
-    app = FastAPIOffline(
+    public = settings.public
+    app = FastAPI(
         docs_url=None,
         redoc_url=None,
+        openapi_url=None,  # it has a route that says who may read it
         title="d3pg",
         summary="Sweeps of learning control with differentiable physics.",
         version="1",
-        openapi_url=f"{PREFIX}/openapi.json",
-        static_url=documentation.ASSETS,
+        servers=[{"url": public.prefix}] if public.prefix else None,
+        redirect_slashes=False,
         generate_unique_id_function=lambda route: route.name,
         lifespan=lifespan,
     )
     token = access_token(settings)
-    app.state.token = token
+    register = Register(store, token)
+    cookie = session_cookie(token, public)
+    app.state.settings = settings
+    app.state.register = register
+    app.state.cookie = cookie
     app.state.store = store
     app.state.dispatcher = dispatcher
     app.state.event_feed = EventFeed(store)
@@ -109,11 +122,13 @@ def create_app(
         api.include_router(resource.router)
     for router in (api, health.router, signin.router):
         app.include_router(router)
-    documentation.add_documentation(app)
+    documentation.add_documentation(app, public.prefix)
     pages.add_pages(app)
     describe_problems(app)
     app.add_middleware(BodyLimit)
-    app.add_middleware(Guard, settings=settings, token=token)
+    app.add_middleware(Guard, settings=settings, register=register, cookie=cookie)
     app.add_middleware(AccessLog)
     app.add_middleware(CorrelationIdMiddleware)
+    app.add_middleware(PublicPrefix, prefix=public.prefix)
+    refuse_undeclared(app)
     return app

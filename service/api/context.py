@@ -7,9 +7,11 @@ from anyio import from_thread
 from fastapi import Depends, Request
 from fastapi import Path as PathParameter
 
+from service.api.access.register import Register
 from service.api.event_feed import EventFeed
 from service.api.refusals.problems import Fault, InvalidRequest, NotFound, printable
 from service.api.side_process import Side, SideProcess
+from service.model.caller import Caller
 from service.model.compared import SEPARATOR, Compared
 from service.model.request.entry import Entries
 from service.model.run import Run
@@ -61,6 +63,7 @@ def held(name: str) -> Any:
 
 TheCheckpoints = Annotated[Place, held("checkpoints")]
 TheShelf = Annotated[TaskShelf, held("shelf")]
+TheRegister = Annotated[Register, held("register")]
 TheStore = Annotated[Store, held("store")]
 TheEventFeed = Annotated[EventFeed, held("event_feed")]
 TheWorkerMemory = Annotated[int, held("worker_memory")]
@@ -118,6 +121,12 @@ def may_be_id(text: str) -> bool:
     return len(text) <= MAX_ID and text.isascii() and text.isprintable()
 
 
+def _caller(request: Request) -> Caller:
+    caller: Caller = request.state.caller
+    return caller
+
+
+TheCaller = Annotated[Caller, Depends(_caller)]
 TheSweep = Annotated[Sweep, Depends(_sweep)]
 TheCompared = Annotated[Compared, Depends(_compared)]
 TheRun = Annotated[Run, Depends(_run)]

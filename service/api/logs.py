@@ -16,6 +16,7 @@ from asgi_correlation_id import correlation_id
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.metrics import HTTP_SECONDS
+from service.model.caller import Caller
 
 METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
 
@@ -54,12 +55,12 @@ def configure_logging(level: int = logging.INFO) -> None:
         )
     )
     logging.basicConfig(handlers=[handler], level=level, force=True)
-    # Its access lines hold the query, and with it the token of the sign-in link; ours do not.
+    # Its access lines hold the query, and with it the code of the sign-in link; ours do not.
     logging.getLogger("uvicorn.access").disabled = True
 
 
 class AccessLog:
-    """Logs every request as it ends: method, path without its query, status, seconds.
+    """Logs every request as it ends: method, path without its query, status, seconds, caller.
 
     For the metrics it notes how long each answer took to start, by the route's template.
     """
@@ -90,6 +91,7 @@ class AccessLog:
             raise
         finally:
             # /healthz is asked every few seconds by whoever supervises the process.
+            caller: Caller | None = scope.get("state", {}).get("caller")
             write = log.debug if scope["path"] == "/healthz" else log.info
             write(
                 "request",
@@ -97,6 +99,7 @@ class AccessLog:
                 path=scope["path"],
                 status=status,
                 seconds=round(time.perf_counter() - started, 4),
+                caller=caller.name if caller is not None else None,
             )
 
 

@@ -2,7 +2,9 @@
 
 (Every answer says `Cache-Control: private, no-cache`: keep it, and ask before each use.)
 
-The tag goes by the sweeps' newest events (every change has one), the newest random return (the zero
+Sweeps and runs as they stand, and lists of them, are cheap to make: their tag is a hash of the
+answer (`TaggedRoute`). What is computed of a sweep's measurements is not (`RevalidatedRoute`): that
+tag goes by the sweeps' newest events (every change has one), the newest random return (the zero
 of the normalised scale), the question, and this process: another version of the program may draw
 the same data differently. It is read before the answer is made, so an answer can be newer than its
 tag says and is then fetched once too often, never once too rarely.
@@ -15,8 +17,10 @@ from typing import Any
 
 from fastapi import Request, Response
 from fastapi.routing import APIRoute
+from fastapi.security import SecurityScopes
 from starlette.concurrency import run_in_threadpool
 
+from service.api.access.authority import MAY_READ, authorise
 from service.api.context import MAX_COMPARED, may_be_id
 from service.model.compared import SEPARATOR
 from service.store.store import Store
@@ -24,14 +28,38 @@ from service.store.store import Store
 PROCESS = secrets.token_hex(8)
 
 
+class TaggedRoute(APIRoute):
+    """A route whose answers are tagged by what they say."""
+
+    def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
+        """Answer, or 304 where the client has just that."""
+        answer = super().get_route_handler()
+
+        async def tagged(request: Request) -> Response:
+            response = await answer(request)
+            if request.method != "GET" or response.status_code != 200:
+                return response
+            tag = weak_tag(response.body)
+            if tag in known_tags(request.headers.get("if-none-match", "")):
+                return Response(status_code=304, headers={"ETag": tag})
+            response.headers["ETag"] = tag
+            return response
+
+        return tagged
+
+
 class RevalidatedRoute(APIRoute):
     """A route under `/sweeps/{sweep_id}` whose answers depend on that sweep, or those, alone."""
 
     def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
-        """Answer 304 where the client has the present answer, else tag the new one."""
+        """Answer 304 where the client has the present answer, else tag the new one.
+
+        Whether the caller may read it is asked first: 304 is an answer too.
+        """
         answer = super().get_route_handler()
 
         async def revalidate(request: Request) -> Response:
+            await authorise(request, SecurityScopes(list(MAY_READ.scopes)))
             tag = await run_in_threadpool(entity_tag, request)
             if tag is None:
                 return await answer(request)
@@ -54,8 +82,12 @@ def entity_tag(request: Request) -> str | None:
     if None in version:
         return None
     question = (request.url.path, request.url.query, request.headers.get("accept", ""))
-    digest = hashlib.sha256(repr((PROCESS, version, question)).encode()).hexdigest()
-    return f'W/"{digest[:32]}"'
+    return weak_tag(repr((PROCESS, version, question)).encode())
+
+
+def weak_tag(content: bytes | memoryview) -> str:
+    """Return the weak tag of what an answer says, or follows from."""
+    return f'W/"{hashlib.sha256(content).hexdigest()[:32]}"'
 
 
 def known_tags(header: str) -> set[str]:

@@ -15,6 +15,7 @@ from fastapi.templating import Jinja2Templates
 from starlette.requests import HTTPConnection, Request
 from starlette.responses import HTMLResponse
 
+from service.api.place import ROOT
 from service.api.static_files import StaticFolder
 
 WEB = Path(str(files("web")))
@@ -74,7 +75,14 @@ def _rendered(
     status: int = HTTPStatus.OK,
     headers: Mapping[str, str] | None = None,
 ) -> HTMLResponse:
-    context = {"page": name, "static": f"/static/{static().version}", **values}
+    root = ROOT.get()
+    context = {
+        "page": name,
+        "root": root,
+        "static": f"{root}/static/{static().version}",
+        "caller": getattr(request.state, "caller", None),
+        **values,
+    }
     return templates.TemplateResponse(
         request, f"{name}.html", context, status_code=status, headers=headers
     )

@@ -27,6 +27,9 @@ from service.cli.host.doctor import doctor
 from service.cli.host.serving import serve
 from service.cli.listing import ls, show
 from service.cli.moving import command_of
+from service.cli.people import sessions, shares, users
+from service.cli.people.sessions import signin
+from service.cli.people.shares import share
 from service.cli.results.diagnosing import diagnose
 from service.cli.results.drawing import figure
 from service.cli.results.exporting import export, plot, table
@@ -46,10 +49,14 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.add_typer(db.app)
+app.add_typer(users.app)
+app.add_typer(shares.app)
+app.add_typer(sessions.app)
 app.add_typer(paper.app)
 COMMANDS: tuple[Callable[..., None], ...] = (
     serve, submit, search, ls, show, edit, watch, *map(command_of, TRANSITIONS), rm, add, extend,
-    export, table, plot, figure, rollout, policy, diagnose, verify, doctor,
+    export, table, plot, figure, rollout, policy, diagnose, verify, share, signin,
+    doctor,
 )  # fmt: skip
 for command in COMMANDS:
     app.command()(command)
@@ -57,9 +64,16 @@ app.command(cls=AnsweringCommand)(ask)
 
 
 @app.command()
-def token(as_json: AsJson = False) -> None:
-    """Print the service's token, for `Authorization: Bearer`."""
-    say(json.dumps({"token": find_token()}) if as_json else find_token())
+def token(
+    header: Annotated[
+        bool, typer.Option("--header", help="As the header, for curl -H @<(d3pg token --header).")
+    ] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Print the token that commands here use, for `Authorization: Bearer`."""
+    found = find_token()
+    shown = f"Authorization: Bearer {found}" if header else found
+    say(json.dumps({"token": found}) if as_json else shown)
 
 
 @app.command(name="demo")

@@ -10,7 +10,7 @@ import typer
 from service.api.schemas.listed_sweep_answer import BestAnswer, ListedSweepAnswer
 from service.api.schemas.page import Page
 from service.api.schemas.run_answer import AttemptAnswer, ListedRunAnswer, RunAnswer
-from service.api.schemas.sweep_answer import SweepAnswer
+from service.api.schemas.sweep_answer import SweepAnswer, SweepHead
 from service.cli.following import counts_text, eta_text, say_findings
 from service.cli.identifiers import (
     Identifier,
@@ -20,6 +20,7 @@ from service.cli.identifiers import (
 )
 from service.cli.terminal import AsJson, console, print_json, print_table, say
 from service.client import Client
+from service.model.caller import ADMINISTRATOR
 from service.model.request.entry import setting_text
 from service.model.run_name import is_run
 
@@ -52,13 +53,16 @@ def ls(
         typer.Option("--search", "-q", help="Only sweeps with this text in name, notes or tags."),
     ] = None,
     tag: Annotated[str | None, typer.Option(help="Only sweeps with it.")] = None,
+    owner: Annotated[str | None, typer.Option(help="Only sweeps that they submitted.")] = None,
     archived: Annotated[bool, typer.Option("--archived", help="Only archived sweeps.")] = False,
     limit: Annotated[int, typer.Option(min=1, help="At most so many.")] = 50,
     as_json: AsJson = False,
 ) -> None:
     """List sweeps, newest first, or the runs of one."""
-    if sweep_id is not None and (q or tag or archived):
-        raise typer.BadParameter("--search, --tag and --archived are for sweeps, not for runs")
+    if sweep_id is not None and (q or tag or owner or archived):
+        raise typer.BadParameter(
+            "--search, --tag, --owner and --archived are for sweeps, not for runs"
+        )
     with Client() as client:
         if sweep_id is None:
             sweeps = client.sweeps(
@@ -68,6 +72,7 @@ def ls(
                 environment=environment,
                 status=status,
                 archived=archived,
+                owner=owner,
             )
             list_sweeps(list(islice(sweeps, limit + 1)), limit, as_json)
         else:
@@ -87,17 +92,22 @@ def list_sweeps(sweeps: list[ListedSweepAnswer], limit: int, as_json: bool) -> N
         print_json(Page[ListedSweepAnswer](items=sweeps[:limit], next=None))
         return
     headings = ("sweep", "status", "done", "ETA", "runs", "submitted (UTC)", "name", "learners",
-                "tasks", "best", "tags")  # fmt: skip
+                "tasks", "best", "tags", "owner")  # fmt: skip
     rows = [
         (s.id, s.status, f"{s.progress:.0%}", eta_text(s).removeprefix("ETA "), counts_text(s),
          f"{s.created_at:%Y-%m-%d %H:%M}", s.name, named(s.algorithms), named(s.environments),
-         best_text(s.best), ", ".join(s.tags))
+         best_text(s.best), ", ".join(s.tags), owner_text(s))
         for s in sweeps[:limit]
     ]  # fmt: skip
     is_narrow = console.is_terminal and console.width < WIDE
     shown = headings.index("learners") if is_narrow else len(headings)
     print_table(headings[:shown], [row[:shown] for row in rows])
     say_if_more(len(sweeps), limit)
+
+
+def owner_text(sweep: SweepHead) -> str:
+    """Whose a sweep is; empty of the administrator's, whose all are where nobody else is."""
+    return "" if sweep.owner == ADMINISTRATOR else sweep.owner
 
 
 def named(names: list[str]) -> str:
@@ -159,6 +169,8 @@ def show_sweep(sweep: SweepAnswer, url: str) -> None:
     say(f"runs       {sweep.runs.total}: {counts_text(sweep)}")
     say(f"learners   {', '.join(entry.label for entry in sweep.entries)}")
     say(f"submitted  {sweep.created_at:%Y-%m-%d %H:%M:%S} UTC, priority {sweep.priority}")
+    if owner := owner_text(sweep):
+        say(f"owner      {owner}")
     if sweep.tags:
         say(f"tags       {', '.join(sweep.tags)}")
     say(f"page       {url}/sweeps/{sweep.id}")

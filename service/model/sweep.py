@@ -50,6 +50,7 @@ class RunCounts:
 class Sweep:
     """One sweep. Times are seconds since 1970 by the database's clock.
 
+    owner        the name of whoever submitted it
     request      what was posted, and what was added to it since
     notes        Markdown, shown as text
     tags         in the order that they were given
@@ -68,6 +69,7 @@ class Sweep:
 
     id: str
     name: str
+    owner: str
     priority: int
     request: Mapping[str, Any]
     created_at: float

@@ -15,6 +15,10 @@ class SubmissionKeyReusedError(ValueError):
     """Another request was submitted under this key; the text says which sweep."""
 
 
+class NameTakenError(ValueError):
+    """There is a user of that name; the text says what to do."""
+
+
 class TooManyAskedError(RuntimeError):
     """More was asked for than may wait; the text says how much does."""
 

@@ -24,7 +24,7 @@ from sqlalchemy.exc import DatabaseError
 
 from service.metrics import MEASUREMENTS
 from service.model.claim import CellLimit, Claim, no_limit
-from service.store import records
+from service.store import people, records
 from service.store.claiming import (
     bulk,
     checkpoints,
@@ -160,6 +160,7 @@ class Store:
     find_sweep = _reads(sweeps.find)
     get_sweep = _reads(sweeps.get)
     sweep_request = _reads(sweeps.request)
+    sweep_owners = _reads(sweeps.owners)
     sweep_version = _reads(sweeps.version)
     list_sweeps = _reads(sweeps.page)
     sweep_standings = _reads(standings.of_sweeps)
@@ -282,6 +283,18 @@ class Store:
     ask_diagnoses = _writes(diagnoses.ask)
     next_waiting_diagnosis = _reads(diagnoses.next_waiting)
     record_diagnosis = _writes(diagnoses.record)
+
+    # ---- people
+
+    users = _reads(people.all_users)
+    add_user = _writes(people.add_user)
+    revoke_user = _writes(people.revoke_user)
+    shares = _reads(people.all_shares)
+    add_share = _writes(people.add_share)
+    remove_share = _writes(people.remove_share)
+    sessions = _reads(people.all_sessions)
+    add_session = _writes(people.add_session)
+    remove_session = _writes(people.remove_session)
 
     # ---- events
 

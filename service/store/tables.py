@@ -6,6 +6,7 @@
            1-* sweep_names   its tags, algorithms and environments: what it is found by
     events         what changed, in order; what the event stream reads
     random_returns what uniform random actions earn, per environment version
+    users, shares, sessions   who may call the service; of their tokens the SHA-256 alone
     last_commit    one row: the name of the latest commit
 
 A run's name is "<sweep>-<ordinal>"; inside, rows are joined by integers. Times are float64 seconds
@@ -37,6 +38,7 @@ from sqlalchemy import (
     text,
 )
 
+from service.model.caller import ADMINISTRATOR
 from service.store.column_types import Document, Exact, now
 
 metadata = MetaData(
@@ -76,6 +78,7 @@ sweeps = Table(
     Column("webhook_tries", Integer, nullable=False, default=0, server_default="0"),
     Column("webhook_problem", Text, nullable=False, default="", server_default=""),
     Column("webhook_not_before", Double, nullable=False, default=0.0, server_default="0"),
+    Column("owner", Text, nullable=False, default=ADMINISTRATOR, server_default=ADMINISTRATOR),
     sqlite_autoincrement=True,
 )
 _open = text("question = 'open'")
@@ -243,6 +246,40 @@ random_returns = Table(
     Column("high", Double, nullable=False),
     Column("episodes", Integer, nullable=False),
     Column("measured_at", Double, nullable=False, default=now()),
+)
+
+users = Table(
+    "users",
+    metadata,
+    Column("name", Text, primary_key=True),
+    Column("scope", Text, nullable=False),
+    Column("token_hash", Text, nullable=False),
+    Column("created_at", Double, nullable=False, default=now()),
+    Column("revoked_at", Double),
+)
+
+shares = Table(
+    "shares",
+    metadata,
+    Column("id", Text, primary_key=True),
+    Column("token_hash", Text, nullable=False),
+    Column("sweeps", Document, nullable=False),  # a list of ids
+    Column("page", Text, nullable=False),
+    Column("made_by", Text, nullable=False),
+    Column("created_at", Double, nullable=False),
+    Column("expires_at", Double, nullable=False),
+)
+
+sessions = Table(
+    "sessions",
+    metadata,
+    Column("id", Text, primary_key=True),
+    Column("token_hash", Text, nullable=False),
+    Column("key_hash", Text, nullable=False),
+    Column("name", Text, nullable=False),
+    Column("browser", Text, nullable=False),
+    Column("created_at", Double, nullable=False),
+    Column("expires_at", Double, nullable=False),
 )
 
 last_commit = Table("last_commit", metadata, Column("name", Text, primary_key=True))

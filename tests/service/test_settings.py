@@ -38,6 +38,43 @@ def test_environment_variables(monkeypatch: pytest.MonkeyPatch) -> None:
     assert settings.url == "http://127.0.0.1:8080"
 
 
+@pytest.mark.parametrize(
+    ("url", "origin", "prefix", "host", "is_secure"),
+    [
+        ("https://Lab.example/d3pg/", "https://lab.example", "/d3pg", "lab.example", True),
+        ("https://lab.example:443", "https://lab.example", "", "lab.example", True),
+        ("http://lab.example:81/a/b", "http://lab.example:81", "/a/b", "lab.example", False),
+        ("http://[FE80::1]:80/", "http://[fe80::1]", "", "[fe80::1]", False),
+    ],
+)
+def test_everything_follows_from_the_public_address(
+    url: str, origin: str, prefix: str, host: str, is_secure: bool
+) -> None:
+    settings = Settings(public_url=url, host="0.0.0.0")  # noqa: S104
+    public = settings.public
+    assert (public.origin, public.prefix, public.host) == (origin, prefix, host)
+    assert public.is_secure is is_secure
+    assert host in settings.allowed_hosts
+    assert settings.is_overheard is not is_secure
+    assert settings.url == "http://127.0.0.1:8000", "where this machine finds it"
+
+
+def test_without_a_public_address_it_is_found_where_it_listens(tmp_path: Path) -> None:
+    assert Settings().public.url == "http://127.0.0.1:8000"
+    tls = Settings(tls_certificate=tmp_path / "c", tls_key=tmp_path / "k")
+    assert tls.public.url == "https://127.0.0.1:8000"
+    assert tls.public.is_secure
+
+
+def test_only_a_network_without_tls_is_overheard(tmp_path: Path) -> None:
+    there = Settings(host="10.0.0.7", allow_host=("lab",))
+    assert there.is_overheard
+    assert not Settings().is_overheard
+    assert not Settings(
+        host="10.0.0.7", allow_host=("lab",), tls_certificate=tmp_path, tls_key=tmp_path
+    ).is_overheard
+
+
 def test_the_table_of_settings_lists_every_setting() -> None:
     pages = [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
     lines = [line for page in pages for line in page.read_text(encoding="utf-8").splitlines()]
@@ -74,6 +111,15 @@ def test_a_bound_address_is_an_allowed_host() -> None:
     ("variable", "value", "says"),
     [
         ("D3PG_HOST", "0.0.0.0", "D3PG_ALLOW_HOST"),  # noqa: S104
+        ("D3PG_HOST", "0.0.0.0", "D3PG_PUBLIC_URL"),  # noqa: S104
+        ("D3PG_PUBLIC_URL", "lab.example", "https://HOST/PREFIX"),
+        ("D3PG_PUBLIC_URL", "ftp://lab.example", "https://HOST/PREFIX"),
+        ("D3PG_PUBLIC_URL", "https://me:SECRET@lab.example", "https://HOST/PREFIX"),
+        ("D3PG_PUBLIC_URL", "https://lab.example/a b", "letters, digits"),
+        ("D3PG_PUBLIC_URL", "https://lab.example/../d3pg", "letters, digits"),
+        ("D3PG_PUBLIC_URL", "https://lab.example:99999", "0-65535"),
+        ("D3PG_TLS_CERTIFICATE", "cert.pem", "D3PG_TLS_KEY belong together"),
+        ("D3PG_TLS_KEY", "key.pem", "D3PG_TLS_KEY belong together"),
         ("D3PG_HOST", "192.168.1.5", "D3PG_ALLOW_HOST"),
         ("D3PG_TOKEN", "short", "16 characters"),
         ("D3PG_PORT", "70000", "65535"),

@@ -20,7 +20,8 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 
 from algorithms.early_end import Divergence
 from algorithms.measurement import Measurement
-from service.api.access_token import signin_link
+from service.api.access.links import signin_path
+from service.api.access.register import Register
 from service.api.app import create_app
 from service.model.claim import Claim
 from service.model.environment import environment_facts
@@ -69,11 +70,12 @@ class Trouble:
 class LiveService:
     """The service: where it listens, its store, and whether it runs at all."""
 
-    def __init__(self, data_dir: Path) -> None:
-        """Serve on a free port."""
-        self.settings = Settings(data_dir=data_dir, port=free_port(), token=SecretStr(TOKEN))
-        self.url = self.settings.url
-        self.signin_link = signin_link(self.settings, TOKEN)
+    def __init__(self, data_dir: Path, public_url: str = "") -> None:
+        """Serve on a free port; a test may put a proxy before it."""
+        self.settings = Settings(
+            data_dir=data_dir, port=free_port(), token=SecretStr(TOKEN), public_url=public_url
+        )
+        self.url = self.settings.public.url
         self.store = Store.open(self.settings.store_url)
         self._claims: list[Claim] = []
         self.start()
@@ -82,6 +84,7 @@ class LiveService:
         """Serve; the port is the same every time."""
         self.dispatcher = ReadyDispatcher()
         app = create_app(self.settings, self.store, self.dispatcher)
+        self.register: Register = app.state.register
         self.trouble = Trouble(app)
         config = uvicorn.Config(self.trouble, port=self.settings.port, log_level="critical")
         self._server = uvicorn.Server(config)
@@ -89,6 +92,11 @@ class LiveService:
         self._thread.start()
         while not self._server.started:
             time.sleep(0.01)
+
+    @property
+    def signin_link(self) -> str:
+        """A link that signs in one browser."""
+        return f"{self.url}{signin_path(self.register.new_code())}"
 
     def stop(self) -> None:
         """End the server and every connection to it."""

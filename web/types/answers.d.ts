@@ -92,12 +92,12 @@ declare namespace Api {
   type Answer<Address extends string, Method extends Verb> =
     Operation<Address, Method> extends { responses: infer Responses }
       ? {
-          [Status in keyof Responses & (200 | 202)]: Responses[Status] extends {
+          [Status in keyof Responses & (200 | 201 | 202)]: Responses[Status] extends {
             content: { "application/json": infer Json };
           }
             ? Json
             : never;
-        }[keyof Responses & (200 | 202)]
+        }[keyof Responses & (200 | 201 | 202)]
       : never;
 
   /** The parameters that an address takes; what is null is left out. */

@@ -1,7 +1,8 @@
 """What can be submitted: algorithms and environments, their settings and limits."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict
+from itertools import chain
 from typing import Any
 
 from fastapi import APIRouter
@@ -10,6 +11,8 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 from algorithms import catalogue
 from algorithms.presets import Preset, preset
 from physics.audit.record import audited
+from service.api.access.authority import MAY_SEE_SHARED
+from service.api.context import TheCaller, TheStore
 from service.api.schemas.requests.sweep_request import (
     MAX_LISTED,
     MAX_RUNS,
@@ -20,9 +23,10 @@ from service.api.schemas.requests.sweep_request import (
 from service.api.schemas.requests.texts import MAX_NAME
 from service.api.schemas.run_answer import WeightsAnswer
 from service.model.environment import EnvironmentFacts, known_environments
+from service.store.store import Store
 from workers.messages.run_spec import Weights
 
-router = APIRouter(tags=["catalogue"])
+router = APIRouter(tags=["catalogue"], dependencies=[MAY_SEE_SHARED])
 
 
 class PresetAnswer(BaseModel):
@@ -154,14 +158,26 @@ class CatalogueAnswer(BaseModel):
 
 
 @router.get("/catalogue")
-def get_catalogue() -> CatalogueAnswer:
+def get_catalogue(caller: TheCaller, store: TheStore) -> CatalogueAnswer:
     """List algorithms, environments and limits: all that a submission can be made of."""
-    environments = known_environments()
+    environments, algorithms = known_environments(), catalogue.names()
+    if caller.sweeps is not None:
+        shown = _names_in(caller.sweeps, store)
+        environments = [facts for facts in environments if facts.name in shown]
+        algorithms = [name for name in algorithms if name in shown]
     return CatalogueAnswer(
-        algorithms=[_algorithm(name, environments) for name in catalogue.names()],
+        algorithms=[_algorithm(name, environments) for name in algorithms],
         environments=[_environment(facts) for facts in environments],
         limits=LimitsAnswer(),
     )
+
+
+def _names_in(sweeps: Iterable[str], store: Store) -> set[str]:
+    """Return the names of what sweeps compare, and in what."""
+    found = [store.find_sweep(each) for each in sweeps]
+    requests = [sweep.request for sweep in found if sweep is not None]
+    named = [[each["name"] for each in request["algorithms"]] for request in requests]
+    return set(chain(*named, *(request["environments"] for request in requests)))
 
 
 def _environment(facts: EnvironmentFacts) -> EnvironmentAnswer:

@@ -1,14 +1,18 @@
 """Changes as they happen: server-sent events, resumable."""
 
 import json
-from collections.abc import AsyncIterator
+from collections.abc import AsyncGenerator, AsyncIterator
+from contextlib import aclosing
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Query
 from sse_starlette import EventSourceResponse, ServerSentEvent
 
-from service.api.context import TheEventFeed, TheSweep
+from service.api.access.authority import MAY_READ, MAY_SEE_SHARED
+from service.api.access.register import Register
+from service.api.context import TheCaller, TheEventFeed, TheRegister, TheSweep
 from service.api.event_feed import Message
+from service.model.caller import Caller
 
 router = APIRouter(tags=["events"])
 
@@ -38,23 +42,41 @@ STREAM: dict[int | str, dict[str, Any]] = {
 }
 
 
-@router.get("/events", response_class=EventSourceResponse, responses=STREAM)
+@router.get(
+    "/events",
+    response_class=EventSourceResponse,
+    responses=STREAM,
+    dependencies=[MAY_SEE_SHARED],
+)
 def stream_events(
-    feed: TheEventFeed, last_event_id: LastEventId = None, after: EventId = None
+    caller: TheCaller,
+    register: TheRegister,
+    feed: TheEventFeed,
+    last_event_id: LastEventId = None,
+    after: EventId = None,
 ) -> EventSourceResponse:
     """Stream the changes of every sweep, from the one after `Last-Event-ID` (or `after`)."""
-    return _stream(feed.follow(_position(last_event_id, after), None))
+    messages = feed.follow(_position(last_event_id, after), None)
+    return _stream(_for_caller(messages, caller, register))
 
 
-@router.get("/sweeps/{sweep_id}/events", response_class=EventSourceResponse, responses=STREAM)
+@router.get(
+    "/sweeps/{sweep_id}/events",
+    response_class=EventSourceResponse,
+    responses=STREAM,
+    dependencies=[MAY_READ],
+)
 def stream_sweep_events(
     sweep: TheSweep,
+    caller: TheCaller,
+    register: TheRegister,
     feed: TheEventFeed,
     last_event_id: LastEventId = None,
     after: EventId = None,
 ) -> EventSourceResponse:
     """Stream the changes of one sweep, from the one after `Last-Event-ID` (or `after`)."""
-    return _stream(feed.follow(_position(last_event_id, after), sweep.id))
+    messages = feed.follow(_position(last_event_id, after), sweep.id)
+    return _stream(_for_caller(messages, caller, register))
 
 
 def _position(last_event_id: str | None, after: int | None) -> int | None:
@@ -63,6 +85,18 @@ def _position(last_event_id: str | None, after: int | None) -> int | None:
         return after
     is_id = last_event_id.isascii() and last_event_id.isdigit()
     return int(last_event_id) if is_id and int(last_event_id) <= MAX_EVENT_ID else None
+
+
+async def _for_caller(
+    messages: AsyncGenerator[Message, None], caller: Caller, register: Register
+) -> AsyncIterator[Message]:
+    """Yield what a caller may see, for as long as it would be let in."""
+    async with aclosing(messages):
+        async for message in messages:
+            if not register.holds(caller):
+                return
+            if message.kind == "reload" or caller.sees(message.payload["sweep_id"]):
+                yield message
 
 
 def _stream(messages: AsyncIterator[Message]) -> EventSourceResponse:

@@ -4,6 +4,7 @@ from http import HTTPStatus
 
 from fastapi import APIRouter
 
+from service.api.access.authority import MAY_SUBMIT
 from service.api.context import TheStore, TheSweep, TheWorkerMemory
 from service.api.refusals.problems import refusing
 from service.api.schemas.requests.growth import GrowthRequest
@@ -14,7 +15,7 @@ from service.model.request.growth import with_algorithms
 from service.model.sweep import Sweep
 from service.store.store import Store
 
-router = APIRouter(prefix="/sweeps/{sweep_id}", tags=["sweeps"])
+router = APIRouter(prefix="/sweeps/{sweep_id}", tags=["sweeps"], dependencies=[MAY_SUBMIT])
 
 
 @router.post("/runs", status_code=HTTPStatus.ACCEPTED)

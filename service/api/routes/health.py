@@ -8,6 +8,7 @@ from prometheus_client import CONTENT_TYPE_LATEST, CollectorRegistry, generate_l
 from pydantic import BaseModel, Field
 from sqlalchemy.exc import SQLAlchemyError
 
+from service.api.access.authority import MAY_READ, MAY_SCRAPE, OPEN
 from service.api.context import TheEventFeed, TheStore, TheWorkforce
 from service.api.schemas.readiness_answer import CheckAnswer, ReadinessAnswer
 from service.metrics import REGISTRY, PresentState
@@ -23,13 +24,13 @@ class HealthAnswer(BaseModel):
     status: str = Field(default="ok", examples=["ok"])
 
 
-@router.get("/healthz")
+@router.get("/healthz", dependencies=[OPEN])
 async def healthz() -> HealthAnswer:
     """Answer from the event loop alone: neither database nor thread pool can hold it up."""
     return HealthAnswer()
 
 
-@router.get("/readyz", responses={503: {"model": ReadinessAnswer}})
+@router.get("/readyz", responses={503: {"model": ReadinessAnswer}}, dependencies=[MAY_READ])
 def readyz(response: Response, store: TheStore, workforce: TheWorkforce) -> ReadinessAnswer:
     """Say whether the database answers and the cluster takes runs, and if not, why."""
     problems = {"database": _database_problem(store), "cluster": workforce.problem}
@@ -46,6 +47,7 @@ def readyz(response: Response, store: TheStore, workforce: TheWorkforce) -> Read
 
 @router.get(
     "/metrics",
+    dependencies=[MAY_SCRAPE],
     response_class=Response,
     responses={200: {"content": {"text/plain": {"example": 'd3pg_runs{status="queued"} 16.0\n'}}}},
 )

@@ -4,12 +4,13 @@ Asked again, a move changes nothing and is no error. From where it cannot start 
 with the reason.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from http import HTTPStatus
 
 from fastapi import APIRouter
 
-from service.api.context import TheLabel, TheRun, TheStore, TheSweep
+from service.api.access.authority import MAY_SUBMIT, not_theirs
+from service.api.context import TheCaller, TheLabel, TheRun, TheStore, TheSweep, may_be_id
 from service.api.refusals.problems import refusing
 from service.api.schemas.requests.bulk import (
     BulkAnswer,
@@ -19,25 +20,41 @@ from service.api.schemas.requests.bulk import (
 )
 from service.api.schemas.run_answer import RunAnswer
 from service.api.schemas.sweep_answer import SweepAnswer
+from service.model.caller import Caller
 from service.model.move import TRANSITIONS, Move
 from service.model.run import Run
+from service.model.run_name import RunName
 from service.model.sweep import Sweep
 from service.store.store import Store
 
-router = APIRouter()
+router = APIRouter(dependencies=[MAY_SUBMIT])
 sweeps = APIRouter(prefix="/sweeps/{sweep_id}", tags=["sweeps"])
 runs = APIRouter(prefix="/runs/{run_id}", tags=["runs"])
 
 
 @router.post("/moves", tags=["sweeps"], status_code=HTTPStatus.ACCEPTED)
-def move_many(request: BulkRequest, store: TheStore) -> BulkAnswer:
+def move_many(request: BulkRequest, caller: TheCaller, store: TheStore) -> BulkAnswer:
     """Ask many sweeps and runs for a move at once; those for which it is impossible say why."""
-    refused = store.move_all(request.move, request.ids)
-    names = {each.id for each in refused}
+    others = _of_others(request.ids, caller, store)
+    asked = [each for each in request.ids if each not in others]
+    reasons = others | {each.id: each.reason for each in store.move_all(request.move, asked)}
     return BulkAnswer(
-        moved=[each for each in request.ids if each not in names],
-        refused=[RefusalAnswer(id=each.id, reason=each.reason) for each in refused],
+        moved=[each for each in request.ids if each not in reasons],
+        refused=[
+            RefusalAnswer(id=each, reason=reasons[each]) for each in request.ids if each in reasons
+        ],
     )
+
+
+def _of_others(identifiers: Sequence[str], caller: Caller, store: Store) -> dict[str, str]:
+    """Return why sweeps and runs cannot be moved that are not the caller's to change."""
+    names = {each: RunName.parse(each).sweep_id for each in identifiers if may_be_id(each)}
+    owners = store.sweep_owners(set(names.values()))
+    return {
+        each: not_theirs(sweep_id, owners[sweep_id])
+        for each, sweep_id in names.items()
+        if sweep_id in owners and not caller.may_change(owners[sweep_id])
+    }
 
 
 @router.delete("/sweeps/{sweep_id}", tags=["sweeps"], status_code=HTTPStatus.ACCEPTED)

@@ -9,6 +9,9 @@ from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from fastapi.staticfiles import StaticFiles
 from starlette.types import Scope
 
+from service.api.access.authority import MAY_READ, MAY_SEE_SHARED
+from service.api.access.links import link_to
+from service.api.place import here
 from service.api.shell import page, static
 from service.api.static_files import StaticFolder
 
@@ -39,49 +42,49 @@ def add_pages(app: FastAPI) -> None:
     app.mount("/static/{version}", VersionedFiles(static()), name="static")
 
 
-@router.get("/")
+@router.get("/", dependencies=[MAY_READ])
 def sweeps_page(request: Request) -> HTMLResponse:
     """Answer the list of sweeps."""
-    return page(request, "sweeps")
+    return page(request, "sweeps", service_url=link_to(request, ""))
 
 
-@router.get("/favicon.ico")
+@router.get("/favicon.ico", dependencies=[MAY_SEE_SHARED])
 def favicon() -> RedirectResponse:
     """Answer browsers that ask by themselves, as on the API's own pages."""
-    return RedirectResponse(f"/static/{static().version}/favicon.svg")
+    return RedirectResponse(here(f"/static/{static().version}/favicon.svg"))
 
 
-@router.get("/sweeps/{sweep_id}")
+@router.get("/sweeps/{sweep_id}", dependencies=[MAY_READ])
 def sweep_page(request: Request, sweep_id: str) -> HTMLResponse:
     """Answer a sweep's page; that there is no such sweep is for its script to find out."""
     return page(request, "sweep", sweep_id=sweep_id)
 
 
-@router.get("/sweeps/{sweep_id}/runs")
+@router.get("/sweeps/{sweep_id}/runs", dependencies=[MAY_READ])
 def runs_page(request: Request, sweep_id: str) -> HTMLResponse:
     """Answer the runs of a sweep."""
     return page(request, "runs", sweep_id=sweep_id)
 
 
-@router.get("/runs/{run_id}")
+@router.get("/runs/{run_id}", dependencies=[MAY_READ])
 def run_page(request: Request, run_id: str) -> HTMLResponse:
     """Answer a run's page."""
     return page(request, "run", run_id=run_id)
 
 
-@router.get("/workers")
+@router.get("/workers", dependencies=[MAY_READ])
 def workers_page(request: Request) -> HTMLResponse:
     """Answer who trains what, and what waits."""
     return page(request, "workers")
 
 
-@router.get("/compare")
+@router.get("/compare", dependencies=[MAY_SEE_SHARED])
 def compare_page(request: Request) -> HTMLResponse:
     """Answer the comparison of the sweeps or runs that the address names."""
     return page(request, "compare")
 
 
-@router.get("/catalogue")
+@router.get("/catalogue", dependencies=[MAY_READ])
 def catalogue_page(request: Request) -> HTMLResponse:
     """Answer what can be trained, and in what."""
     return page(request, "catalogue")

@@ -4,10 +4,11 @@ from typing import Any
 
 from fastapi import APIRouter, Response
 
+from service.api.access.authority import MAY_READ
 from service.api.context import TheRun
 from service.api.learned import TheLearned
 
-router = APIRouter(tags=["runs"])
+router = APIRouter(tags=["runs"], dependencies=[MAY_READ])
 
 MEDIA_TYPE = "application/octet-stream"
 EXAMPLE = "The bytes of a NumPy archive: header, mean, inverse_std, hidden/0/weight, ..."

@@ -5,6 +5,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query, Response
 
+from service.api.access.authority import MAY_READ
 from service.api.context import TheRun, TheStore, find_run
 from service.api.learned import Learned, TheLearned
 from service.api.refusals.problems import Fault, InvalidRequest
@@ -12,7 +13,7 @@ from service.api.schemas.rollout_answer import RolloutAnswer, RolloutQuery, Roll
 from service.model.run import Run
 from workers.policies.start_error import StartError
 
-router = APIRouter(tags=["runs"])
+router = APIRouter(tags=["runs"], dependencies=[MAY_READ])
 
 
 @router.get("/runs/{run_id}/rollout", response_model=RolloutAnswer)

@@ -8,7 +8,9 @@ import structlog
 from fastapi import APIRouter, Query, Request, Response
 from pydantic import Field
 
+from service.api.access.authority import MAY_READ
 from service.api.context import TheCheckpoints, TheLabel, TheRun, TheStore, TheSweep
+from service.api.revalidation import TaggedRoute
 from service.api.schemas.number import finite_or_none, numbers
 from service.api.schemas.page import Page, PageQuery, page_of, read_cursor
 from service.api.schemas.requests.texts import Name
@@ -21,7 +23,7 @@ from service.store.reading.run_order import By, RunOrder, Scales
 from service.store.store import Store
 from workers.checkpoints.checkpoint_folder import has_policy
 
-router = APIRouter(tags=["runs"])
+router = APIRouter(tags=["runs"], route_class=TaggedRoute, dependencies=[MAY_READ])
 log = structlog.get_logger(__name__)
 
 

@@ -7,7 +7,9 @@ from fastapi import APIRouter, Header, Query, Response
 from fastapi.responses import JSONResponse
 
 from service.analysis.cost import cell_costs
-from service.api.context import TheStore, TheWebhookHosts, TheWorkerMemory, TheWorkforce
+from service.api.access.authority import MAY_SUBMIT
+from service.api.context import TheCaller, TheStore, TheWebhookHosts, TheWorkerMemory, TheWorkforce
+from service.api.place import here
 from service.api.refusals.problems import Fault, InvalidRequest
 from service.api.schemas.requests.sweep_request import SweepRequest
 from service.api.schemas.sweep_answer import DryRunAnswer, SweepAnswer
@@ -16,7 +18,9 @@ from service.api.submission.route import SubmissionRoute
 from service.api.submission.webhook import refuse_webhook
 from service.store.refusal import SubmissionKeyReusedError
 
-router = APIRouter(prefix="/sweeps", tags=["sweeps"], route_class=SubmissionRoute)
+router = APIRouter(
+    prefix="/sweeps", tags=["sweeps"], route_class=SubmissionRoute, dependencies=[MAY_SUBMIT]
+)
 
 SubmissionKey = Annotated[
     str | None,
@@ -38,6 +42,7 @@ SubmissionKey = Annotated[
 def submit_sweep(
     request: SweepRequest,
     response: Response,
+    caller: TheCaller,
     store: TheStore,
     workforce: TheWorkforce,
     worker_memory: TheWorkerMemory,
@@ -73,8 +78,9 @@ def submit_sweep(
             environment_versions=planned.environment_versions,
             submission_key=idempotency_key,
             search=planned.search,
+            owner=caller.name,
         )
     except SubmissionKeyReusedError as refusal:
         raise InvalidRequest([Fault("Idempotency-Key", str(refusal))]) from refusal
-    response.headers["Location"] = f"/api/v1/sweeps/{sweep.id}"
+    response.headers["Location"] = here(f"/api/v1/sweeps/{sweep.id}")
     return SweepAnswer.of(sweep, planned.notices)

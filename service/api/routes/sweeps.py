@@ -5,7 +5,9 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request, Response
 from pydantic import Field
 
-from service.api.context import TheStore, TheSweep, TheWebhookHosts
+from service.api.access.authority import MAY_READ, MAY_SEE_SHARED, MAY_SUBMIT
+from service.api.context import TheCaller, TheStore, TheSweep, TheWebhookHosts
+from service.api.revalidation import TaggedRoute
 from service.api.schemas.listed_sweep_answer import SPARKLINE_POINTS, ListedSweepAnswer
 from service.api.schemas.page import Page, PageQuery, page_of, read_cursor
 from service.api.schemas.requests.sweep_edit import OneTag, SweepEdit
@@ -17,7 +19,7 @@ from service.model.standing import best_of
 from service.model.sweep import SweepStatus
 from service.store.reading.sweep_search import Archived, SweepSearch
 
-router = APIRouter(prefix="/sweeps", tags=["sweeps"])
+router = APIRouter(prefix="/sweeps", tags=["sweeps"], route_class=TaggedRoute)
 
 
 class SweepQuery(PageQuery):
@@ -33,21 +35,33 @@ class SweepQuery(PageQuery):
     environment: Name | None = None
     status: SweepStatus | None = None
     archived: Archived = "false"
+    owner: Name | None = Field(default=None, description="Who submitted it.")
 
-    @property
-    def search(self) -> SweepSearch:
-        """What is asked of the store."""
+    def search(self, only: frozenset[str] | None) -> SweepSearch:
+        """What is asked of the store, of the sweeps that may be seen; None: all."""
         return SweepSearch(
-            self.q, self.tag, self.algorithm, self.environment, self.status, self.archived
+            self.q,
+            self.tag,
+            self.algorithm,
+            self.environment,
+            self.status,
+            self.archived,
+            self.owner,
+            only,
         )
 
 
-@router.get("")
+@router.get("", dependencies=[MAY_SEE_SHARED])
 def list_sweeps(
-    query: Annotated[SweepQuery, Query()], request: Request, response: Response, store: TheStore
+    query: Annotated[SweepQuery, Query()],
+    request: Request,
+    response: Response,
+    caller: TheCaller,
+    store: TheStore,
 ) -> Page[ListedSweepAnswer]:
     """List sweeps, newest first; those that are archived only where they are asked for."""
-    sweeps = store.list_sweeps(read_cursor(query.after), query.limit + 1, query.search)
+    search = query.search(caller.sweeps)
+    sweeps = store.list_sweeps(read_cursor(query.after), query.limit + 1, search)
     cells = store.sweep_standings([sweep.id for sweep in sweeps[: query.limit]])
     best = best_of(cells, store.random_returns(), best_return)
     outlines = store.sweep_outlines([each.cell for each in best.values()], SPARKLINE_POINTS)
@@ -58,7 +72,7 @@ def list_sweeps(
     return page_of(answers, query.limit, request, response)
 
 
-@router.patch("/{sweep_id}")
+@router.patch("/{sweep_id}", dependencies=[MAY_SUBMIT])
 def edit_sweep(
     sweep: TheSweep, edit: SweepEdit, store: TheStore, webhook_hosts: TheWebhookHosts
 ) -> SweepAnswer:
@@ -67,7 +81,7 @@ def edit_sweep(
     return SweepAnswer.of(store.edit_sweep(sweep.id, edit.changes))
 
 
-@router.get("/{sweep_id}")
+@router.get("/{sweep_id}", dependencies=[MAY_READ])
 def get_sweep(sweep: TheSweep) -> SweepAnswer:
     """Show a sweep: its status, counts of runs, progress."""
     return SweepAnswer.of(sweep)

@@ -7,12 +7,13 @@ from fastapi import APIRouter
 from pydantic import BaseModel, ConfigDict, Field
 
 from service.analysis.comparison import grouped
+from service.api.access.authority import MAY_READ
 from service.api.context import TheStore, TheWorkforce
 from service.api.schemas.run_answer import as_time
 from service.model.occupation import Training, WaitingRuns
 from service.model.request.entry import Entries
 
-router = APIRouter(tags=["health"])
+router = APIRouter(tags=["health"], dependencies=[MAY_READ])
 
 EXAMPLE: dict[str, Any] = {
     "problem": None,

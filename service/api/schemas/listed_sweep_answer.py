@@ -6,6 +6,7 @@ from typing import Self
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
+from service.api.place import here
 from service.api.schemas.number import Numbers, numbers
 from service.api.schemas.sweep_answer import SweepHead, head_of
 from service.model.request.entry import Entries
@@ -36,6 +37,7 @@ class ListedSweepAnswer(SweepHead):
                 {
                     "id": "3f9a0c51b7de",
                     "name": "weights on Pendulum",
+                    "owner": "ann",
                     "created_at": "2026-11-24T09:30:00.120000Z",
                     "priority": 0,
                     "status": "finished",
@@ -97,5 +99,8 @@ class ListedSweepAnswer(SweepHead):
             seeds=sweep.runs.total // len(entries.cells),
             timesteps=sweep.request.get("timesteps"),
             best=shown,
-            links={"self": f"/api/v1/sweeps/{sweep.id}", "page": f"/sweeps/{sweep.id}"},
+            links={
+                "self": here(f"/api/v1/sweeps/{sweep.id}"),
+                "page": here(f"/sweeps/{sweep.id}"),
+            },
         )

@@ -7,6 +7,7 @@ from typing import Generic, TypeVar
 from fastapi import Request, Response
 from pydantic import BaseModel, ConfigDict, Field
 
+from service.api.place import here
 from service.api.refusals.problems import Fault, InvalidRequest
 
 Item = TypeVar("Item", bound=BaseModel)
@@ -53,5 +54,5 @@ def page_of(items: Sequence[Item], limit: int, request: Request, response: Respo
     shown = list(items[:limit])
     cursor = base64.urlsafe_b64encode(str(shown[-1].id).encode()).decode()  # type: ignore[attr-defined]
     url = request.url.include_query_params(after=cursor)
-    response.headers["Link"] = f'<{url.path}?{url.query}>; rel="next"'
+    response.headers["Link"] = f'<{here(url.path)}?{url.query}>; rel="next"'
     return Page(items=shown, next=cursor)

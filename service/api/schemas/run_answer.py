@@ -6,6 +6,7 @@ from typing import Any, Self
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from service.api.place import here
 from service.api.schemas.number import Numbers
 from service.model.move import TRANSITIONS
 from service.model.run import Attempt, Run, RunStatus
@@ -119,10 +120,10 @@ class RunAnswer(BaseModel):
     @classmethod
     def of(cls, run: Run, label: str) -> Self:
         """Show a run of the entry of that name."""
-        link = f"/api/v1/runs/{run.id}"
+        link = here(f"/api/v1/runs/{run.id}")
         links = {
             "self": link,
-            "sweep": f"/api/v1/sweeps/{run.sweep_id}",
+            "sweep": here(f"/api/v1/sweeps/{run.sweep_id}"),
             "measurements": f"{link}/measurements",
             "attempts": f"{link}/attempts",
             **{move: f"{link}/{move}" for move in MOVES},

@@ -16,6 +16,7 @@ from service.analysis.cost import (
     wall_seconds,
 )
 from service.analysis.figures.paper_figure import PAPER
+from service.api.place import here
 from service.api.schemas.number import finite_or_none
 from service.api.schemas.run_answer import MOVES, WeightsAnswer, as_time
 from service.model.request.entry import Entries
@@ -196,6 +197,7 @@ class SweepHead(BaseModel):
 
     id: str
     name: str
+    owner: str = Field(description="Who submitted it.")
     created_at: datetime
     priority: int
     status: SweepStatus
@@ -220,6 +222,7 @@ def head_of(sweep: Sweep) -> dict[str, Any]:
     return {
         "id": sweep.id,
         "name": sweep.name,
+        "owner": sweep.owner,
         "created_at": as_time(sweep.created_at),
         "priority": sweep.priority,
         "status": sweep.status,
@@ -240,6 +243,7 @@ class SweepAnswer(SweepHead):
                 {
                     "id": "3f9a0c51b7de",
                     "name": "weights on Pendulum",
+                    "owner": "ann",
                     "created_at": "2026-11-24T09:30:00.120000Z",
                     "priority": 0,
                     "status": "running",
@@ -284,7 +288,7 @@ class SweepAnswer(SweepHead):
     @classmethod
     def of(cls, sweep: Sweep, notices: Sequence[str] = ()) -> Self:
         """Show a sweep, with notices if it was submitted just now."""
-        link = f"/api/v1/sweeps/{sweep.id}"
+        link = here(f"/api/v1/sweeps/{sweep.id}")
         figures = figures_of(sweep.request)
         parts = ("runs", "curves", "table", "statistics", "events", *MOVES)
         return cls(
@@ -300,7 +304,7 @@ class SweepAnswer(SweepHead):
             notices=list(notices),
             links={
                 "self": link,
-                "page": f"/sweeps/{sweep.id}",
+                "page": here(f"/sweeps/{sweep.id}"),
                 **{part: f"{link}/{part}" for part in parts},
                 "plot": f"{link}/plot.png",
                 **{f"figure_{number}": f"{link}/figures/{number}.png" for number in figures},

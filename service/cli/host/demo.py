@@ -30,7 +30,7 @@ def run(console: Console, once: bool) -> int:
     try:
         with own_service() as (client, service):
             sweep_id = demo_sweep(client)
-            link = sign_in_link(client, sweep_id)
+            link = client.sign_in_link(f"/sweeps/{sweep_id}").link
             console.print(f"\n  The curves, live:  {link}\n", soft_wrap=True)
             code = follow(client, sweep_id, console)
             if once:
@@ -50,8 +50,3 @@ def demo_sweep(client: Client) -> str:
         if sweep.name == DEMO_SWEEP["name"] and not has_ended(sweep):
             return sweep.id
     return client.submit(DEMO_SWEEP).id
-
-
-def sign_in_link(client: Client, sweep_id: str) -> str:
-    """The link that signs a browser in and opens the sweep."""
-    return f"{client.url}/signin?token={client.token}&next=/sweeps/{sweep_id}"

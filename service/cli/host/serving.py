@@ -1,4 +1,7 @@
-"""`d3pg serve`: the service itself. Its flags are the settings' fields."""
+"""`d3pg serve`: the service itself. Its flags are the settings' fields, but for those with secrets.
+
+A flag stands in the shell's history and in the list of processes, where others read it.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import typer
+from pydantic import SecretStr
 from pydantic.fields import FieldInfo
 
 from service.settings import Settings, variable_of
@@ -22,13 +26,19 @@ def serve(**given: object) -> None:
     os.execve(sys.executable, [sys.executable, "-m", "service"], os.environ | said)  # noqa: S606
 
 
+def is_secret(field: FieldInfo) -> bool:
+    """Whether a setting is set by the environment or its file alone."""
+    return field.annotation == SecretStr | None
+
+
 def _text(value: object) -> str:
     return ",".join(map(str, value)) if isinstance(value, list) else str(value)
 
 
 def _flag(name: str, field: FieldInfo) -> Parameter:
     """Return the flag of a setting, unset by default: what it sets is judged by the service."""
-    kind: Any = field.annotation if field.annotation in {int, Path} else str
+    kinds: dict[Any, Any] = {int: int, Path: Path, Path | None: Path}
+    kind = kinds.get(field.annotation, str)
     if field.annotation == tuple[Path, ...]:
         kind = list[Path]
     option = typer.Option(None, help=_help(field))
@@ -43,5 +53,5 @@ def _help(field: FieldInfo) -> str:
 
 
 vars(serve)["__signature__"] = Signature(
-    [_flag(name, field) for name, field in Settings.model_fields.items()]
+    [_flag(name, field) for name, field in Settings.model_fields.items() if not is_secret(field)]
 )

@@ -20,6 +20,7 @@ class SweepSearch:
 
     q         a text in the name, the notes or a tag, or the beginning of the id; any case
     archived  "false": those that are not, "true": those that are
+    only      ids of those that may be found
     """
 
     q: str | None = None
@@ -28,6 +29,8 @@ class SweepSearch:
     environment: str | None = None
     status: SweepStatus | None = None
     archived: Archived = "all"
+    owner: str | None = None
+    only: frozenset[str] | None = None
 
     def conditions(self) -> Iterator[ColumnElement[bool]]:
         """Yield what must hold."""
@@ -41,6 +44,10 @@ class SweepSearch:
             yield has("environment", self.environment)
         if self.status is not None:
             yield _stands(self.status)
+        if self.owner is not None:
+            yield sweeps.c.owner == self.owner
+        if self.only is not None:
+            yield sweeps.c.id.in_(self.only)
         if self.archived != "all":
             is_archived = sweeps.c.archived_at.is_not(None)
             yield is_archived if self.archived == "true" else not_(is_archived)

@@ -2,7 +2,7 @@
 
 import json
 import secrets
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from sqlalchemy import (
@@ -16,6 +16,7 @@ from sqlalchemy import (
     select,
 )
 
+from service.model.caller import ADMINISTRATOR
 from service.model.inquiry.search import Search
 from service.model.run import ACTIVE, RunStatus
 from service.model.sweep import RunCounts, Sweep, SweepStatus
@@ -43,18 +44,20 @@ def create(
     webhook: str | None = None,
     environment_versions: Mapping[str, int],
     submission_key: str | None = None,
+    owner: str = ADMINISTRATOR,
     search: Search | None = None,
 ) -> Sweep:
     """Write a sweep and its runs, which are numbered in the order of the specs.
 
     `entries` are the places of the specs' entries; without them, all are of the first. The versions
-    are those of the specs' environments. Under a key that a sweep was submitted with
-    already, return that one. Raises SubmissionKeyReusedError where that one's request was another.
+    are those of the specs' environments. Under a key that its owner submitted a sweep with
+    already, return that one. Raises SubmissionKeyReusedError where that one's request or owner was
+    another.
     """
     if not specs:
         raise ValueError("a sweep has at least one run, got none")
     if submission_key is not None:
-        earlier = _submitted(connection, submission_key, request)
+        earlier = _submitted(connection, submission_key, request, owner)
         if earlier is not None:
             return earlier
     sweep_id = secrets.token_hex(6)
@@ -69,6 +72,7 @@ def create(
         notes=notes,
         max_workers=max_workers,
         webhook=webhook,
+        owner=owner,
     )
     number = connection.execute(heading.returning(sweeps.c.number)).scalar_one()
     connection.execute(
@@ -102,11 +106,15 @@ def _rows(
     ]
 
 
-def _submitted(connection: Connection, key: str, request: Mapping[str, Any]) -> Sweep | None:
-    query = select(sweeps.c.id, sweeps.c.request).where(sweeps.c.submission_key == key)
+def _submitted(
+    connection: Connection, key: str, request: Mapping[str, Any], owner: str
+) -> Sweep | None:
+    query = select(sweeps).where(sweeps.c.submission_key == key)
     row = connection.execute(query).one_or_none()
     if row is None:
         return None
+    if row.owner != owner:
+        raise SubmissionKeyReusedError(f"{row.owner} has submitted a sweep under this key")
     # As text, since to Python 1, 1.0 and True are equal.
     asked, now_asked = (json.dumps(document, sort_keys=True) for document in (row.request, request))
     if asked != now_asked:
@@ -139,6 +147,12 @@ def request(connection: Connection, sweep_id: str) -> Mapping[str, Any]:
         raise NotFoundError(f"there is no sweep {sweep_id!r}")
     found: Mapping[str, Any] = posted
     return found
+
+
+def owners(connection: Connection, sweep_ids: Collection[str]) -> dict[str, str]:
+    """Return whose sweeps are, of those that there are."""
+    query = select(sweeps.c.id, sweeps.c.owner).where(sweeps.c.id.in_(sweep_ids), is_there)
+    return {row.id: row.owner for row in connection.execute(query)}
 
 
 def named(sweep_id: str) -> ColumnElement[bool]:

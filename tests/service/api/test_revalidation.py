@@ -73,3 +73,30 @@ def test_refusals_are_not_kept(client: TestClient) -> None:
 
 def test_known_tags() -> None:
     assert known_tags('"a", W/"b"') == {'W/"a"', 'W/"b"'}
+
+
+@pytest.mark.parametrize(
+    "path", ["/sweeps", "/sweeps/{sweep}", "/sweeps/{sweep}/runs", "/runs/{sweep}-0"]
+)
+def test_what_stands_is_tagged_by_what_it_says(client: TestClient, path: str) -> None:
+    sweep = client.post("/api/v1/sweeps", json=BODY).json()["id"]
+    url = f"/api/v1{path.format(sweep=sweep)}"
+    first = client.get(url)
+    known = {"If-None-Match": first.headers["etag"]}
+    again = client.get(url, headers=known)
+    assert again.status_code == 304
+    assert again.content == b""
+    assert again.headers["etag"] == first.headers["etag"]
+    client.post(f"/api/v1/sweeps/{sweep}/pause")
+    changed = client.get(url, headers=known)
+    assert changed.status_code == 200
+    assert changed.json() != first.json()
+
+
+def test_what_is_missing_or_changed_has_no_tag(client: TestClient) -> None:
+    sweep = client.post("/api/v1/sweeps", json=BODY).json()["id"]
+    edited = client.patch(f"/api/v1/sweeps/{sweep}", json={"name": "another"})
+    missing = client.get(f"/api/v1/sweeps/{'0' * 12}")
+    assert (edited.status_code, missing.status_code) == (200, 404)
+    assert "etag" not in edited.headers
+    assert "etag" not in missing.headers

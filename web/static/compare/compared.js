@@ -4,6 +4,7 @@
  */
 import { get } from "../connection/api.js";
 import { flat } from "../parts/facts.js";
+import { here } from "../texts/place.js";
 
 /**
  * @import { Question } from "../curves/question.js"
@@ -31,7 +32,7 @@ export async function comparedSweep(id, question, signal) {
   return {
     id,
     name: sweep.name,
-    page: `/sweeps/${id}`,
+    page: here(`/sweeps/${id}`),
     settings: flat(sweepSettings(sweep)),
     entries: sweep.entries,
     panels,
@@ -55,7 +56,7 @@ export async function comparedRun(id, question, signal) {
   return {
     id,
     name: `run ${id}`,
-    page: `/runs/${id}`,
+    page: here(`/runs/${id}`),
     settings: flat({ algorithm, environment, seed, timesteps, ...weights, config, fingerprint }),
     entries: [{ label, algorithm }],
     panels: panels.map((panel) => ({

@@ -3,6 +3,7 @@ import { get } from "../connection/api.js";
 import { at, element, setText } from "../parts/element.js";
 import { identities } from "../parts/identity.js";
 import { bodyRow } from "../sweep/scores.js";
+import { here } from "../texts/place.js";
 import { labelled, overlaidEntries } from "./compared.js";
 
 /**
@@ -24,7 +25,7 @@ import { labelled, overlaidEntries } from "./compared.js";
  * @param {AbortSignal} signal
  */
 export async function showScores(compared, view, signal) {
-  const sweeps = compared.filter(({ page }) => page.startsWith("/sweeps/"));
+  const sweeps = compared.filter(({ page }) => page.startsWith(here("/sweeps/")));
   const asked = { score: view.get("score"), normalized: view.get("scale") === "normalized" };
   const tables = await Promise.all(
     sweeps.map(({ id }) => get(`/sweeps/${id}/table`, asked, signal)),

@@ -1,7 +1,8 @@
 /** The service's REST interface, as the pages use it. */
+import { here } from "../texts/place.js";
 
 const PREFIX = "/api/v1";
-const FINAL_STATUSES = [400, 404, 422];
+const FINAL_STATUSES = [400, 403, 404, 422];
 
 /** What the service refused, in its own words (problem+json), or that it could not be reached. */
 export class Refusal extends Error {
@@ -59,7 +60,7 @@ export function address(path, parameters = {}) {
       if (each !== null && each !== undefined && each !== "") query.append(name, String(each));
     }
   }
-  return PREFIX + path + (query.size > 0 ? `?${query}` : "");
+  return here(PREFIX + path) + (query.size > 0 ? `?${query}` : "");
 }
 
 /**

@@ -1,5 +1,7 @@
 /** Ties a page to the service: fetch at first, on changes, and after a lost connection. */
+import { isGuest } from "../parts/caller.js";
 import { updateTimes } from "../parts/status.js";
+import { here } from "../texts/place.js";
 import { EventStream } from "./events.js";
 import * as connection from "./state.js";
 
@@ -39,7 +41,7 @@ export function follow(sweep, refetch) {
     },
   });
   stream.open();
-  watchReadiness();
+  if (!isGuest) watchReadiness();
   setInterval(updateTimes, TICK_MILLISECONDS);
   setTimeout(() => {
     if (!begun) reload();
@@ -58,7 +60,7 @@ function watchReadiness() {
 /** Says the first sentence of `/readyz` that tells of something; silence is told elsewhere. */
 async function askReadiness() {
   try {
-    const response = await fetch("/readyz");
+    const response = await fetch(here("/readyz"));
     if (response.status === SIGNED_OUT) return connection.signedOut();
     /** @type {Api.Readiness} */
     const { checks } = await response.json();

@@ -1,6 +1,7 @@
 /** What the masthead and the banner say about the connection to the service. */
 import { at, element, setText } from "../parts/element.js";
 import { timeOfDay } from "../texts/format.js";
+import { here, thisPath } from "../texts/place.js";
 import { Refusal } from "./api.js";
 
 const state = at("connection");
@@ -38,9 +39,9 @@ export function signedOut() {
   isSignedOut = true;
   lostAt ??= new Date();
   show("lost", "Signed out");
-  const here = new URLSearchParams({ next: location.pathname + location.search });
-  const link = element("a", { href: `/signin?${here}` }, "Sign in");
-  say("This browser is not signed in any more: the service has another token now. ", link, ".");
+  const wanted = new URLSearchParams({ next: thisPath() });
+  const link = element("a", { href: here(`/signin?${wanted}`) }, "Sign in");
+  say("This browser is not signed in any more. ", link, ".");
 }
 
 /** Everything on the page was just fetched. */

@@ -6,7 +6,9 @@ import { CurvesSection } from "../curves/section.js";
 import { get, refusalOf } from "../connection/api.js";
 import { follow } from "../connection/live.js";
 import { Refresh } from "../connection/refresh.js";
+import { offerSharing } from "../connection/sharing.js";
 import * as connection from "../connection/state.js";
+import { isGuest } from "../parts/caller.js";
 import { Controls } from "../parts/controls.js";
 import { at, element, keyed, setText } from "../parts/element.js";
 import { COMPARISON_FIELDS, flag, list, oneOf, View } from "../parts/view.js";
@@ -44,7 +46,8 @@ const metrics = new MetricChoice(at("controls", HTMLFormElement), view);
 follow("", (kind) => {
   if (kind !== "run") refresh.request();
 });
-offerSweeps();
+if (!isGuest) offerSweeps();
+offerSharing(sweepsShown);
 view.onChange((fields) => {
   const asked = ["metric", "scale", "x", "band", "seeds", "sweep", "run", "score"];
   if (fields.some((field) => asked.includes(field))) refresh.hurry();
@@ -105,6 +108,12 @@ function chip({ id, name, page }) {
     view.set({ sweep: without(view.get("sweep")), run: without(view.get("run")) });
   });
   return { node: element("li", {}, element("a", { href: page }, name), drop), update: () => {} };
+}
+
+/** @returns {string[]} the sweeps that are compared, and those that have the runs */
+function sweepsShown() {
+  const ofRuns = view.get("run").map((id) => id.split("-")[0]);
+  return [...new Set([...view.get("sweep"), ...ofRuns])];
 }
 
 async function offerSweeps() {

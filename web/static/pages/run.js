@@ -21,6 +21,7 @@ import {
 import { cancelRun, retryRun } from "../run/moves.js";
 import { Viewer } from "../run/viewer.js";
 import { count, percent } from "../texts/format.js";
+import { here } from "../texts/place.js";
 import { activityText, canCancel, canRetry, statusText, tookText } from "../texts/run.js";
 
 /** @import { Columns } from "../run/diagnostics.js" */
@@ -65,7 +66,7 @@ const stream = follow(id.split("-")[0], (kind, payload) => {
 
 at("seeds").addEventListener("change", (event) => {
   const { value } = /** @type {HTMLSelectElement} */ (event.target);
-  location.assign(`/runs/${value}${location.search}`);
+  location.assign(here(`/runs/${value}${location.search}`));
 });
 view.onChange(draw);
 document.addEventListener("themechange", draw);
@@ -124,8 +125,8 @@ function showRun(run) {
   const done = run.timestep / run.timesteps;
   document.title = `${percent(done)} · ${title} · d3pg`;
   setText(at("name"), title);
-  at("sweep-link", HTMLAnchorElement).href = `/sweeps/${run.sweep_id}`;
-  at("runs-link", HTMLAnchorElement).href = `/sweeps/${run.sweep_id}/runs`;
+  at("sweep-link", HTMLAnchorElement).href = here(`/sweeps/${run.sweep_id}`);
+  at("runs-link", HTMLAnchorElement).href = here(`/sweeps/${run.sweep_id}/runs`);
   at("progress", HTMLProgressElement).value = done;
   setText(at("percent"), percent(done));
   setText(at("timesteps"), `${count(run.timestep)} of ${count(run.timesteps)} timesteps`);

@@ -6,6 +6,7 @@ import { CurvesSection } from "../curves/section.js";
 import { get } from "../connection/api.js";
 import { follow } from "../connection/live.js";
 import { Refresh } from "../connection/refresh.js";
+import { offerSharing } from "../connection/sharing.js";
 import * as connection from "../connection/state.js";
 import { DiagnosisSection } from "../diagnosis/section.js";
 import { Controls } from "../parts/controls.js";
@@ -92,6 +93,7 @@ view.onChange(() => {
   else draw();
 });
 document.addEventListener("themechange", draw);
+offerSharing(() => [id]);
 at("download-csv").addEventListener("click", downloadCsv);
 at("copy-link").addEventListener("click", copyLink);
 

@@ -5,6 +5,7 @@ import { follow } from "../connection/live.js";
 import { Listing } from "../connection/paging.js";
 import { Refresh } from "../connection/refresh.js";
 import * as connection from "../connection/state.js";
+import { mayChange, ownerText } from "../parts/caller.js";
 import { Controls } from "../parts/controls.js";
 import { at, element, keyed, setText, within } from "../parts/element.js";
 import { algorithmColour } from "../parts/palette.js";
@@ -14,6 +15,7 @@ import { Submission } from "../submit/submission.js";
 import { cancelSweep } from "../sweep/moves.js";
 import { PickedSweeps } from "../sweep/picked.js";
 import { number, percent } from "../texts/format.js";
+import { here } from "../texts/place.js";
 import { isActive, namesText, rowSummary, stateText } from "../texts/sweep.js";
 
 const PAGE = 50;
@@ -115,9 +117,10 @@ function row(first) {
   });
   const box = element("input", { "type": "checkbox", "aria-label": `Select ${sweep.name}` });
   box.addEventListener("change", () => picked.pick(sweep.id, box.checked));
-  const name = element("a", { href: `/sweeps/${sweep.id}` });
+  const name = element("a", { href: here(`/sweeps/${sweep.id}`) });
   const tags = element("span", { class: "tags" });
   const best = bestCell();
+  const owner = element("span", { class: "muted" });
   const node = element(
     "tr",
     {},
@@ -133,14 +136,15 @@ function row(first) {
     best.node,
     element("td", { class: "progress-cell" }, bar, element("p", {}, done, " ", left)),
     element("td", {}, counts),
-    element("td", { class: "when" }, timeElement(sweep.created_at)),
-    element("td", { class: "actions-cell" }, cancel),
+    element("td", { class: "when" }, timeElement(sweep.created_at), owner),
+    element("td", { "class": "actions-cell", "data-needs": "submit" }, cancel),
   );
   bar.setAttribute("aria-label", `Progress of ${sweep.name}`);
   const update = (/** @type {Api.ListedSweep} */ latest) => {
     sweep = latest;
     box.checked = view.get("pick").includes(sweep.id);
     setText(name, sweep.name);
+    setText(owner, ownerText(sweep.owner) && ` ${ownerText(sweep.owner)}`);
     const labels = [...sweep.tags, ...(sweep.archived ? ["archived"] : [])];
     tags.replaceChildren(...labels.map((tag) => element("span", { class: "tag" }, tag)));
     best.update(sweep);
@@ -148,7 +152,7 @@ function row(first) {
     setText(done, percent(sweep.progress));
     setText(left, stateText(sweep));
     showCounts(sweep);
-    cancel.hidden = !isActive(sweep);
+    cancel.hidden = !isActive(sweep) || !mayChange(sweep.owner);
   };
   return { node, update };
 }

@@ -6,6 +6,7 @@ import * as connection from "../connection/state.js";
 import { at, element, setText } from "../parts/element.js";
 import { statusMark, timeElement } from "../parts/status.js";
 import { count, counted, percent } from "../texts/format.js";
+import { here } from "../texts/place.js";
 
 /** @typedef {Api.Workers["workers"][number]} Worker */
 /** @typedef {Api.Workers["waiting"][number]} Waiting */
@@ -64,8 +65,8 @@ function workerRows({ name, training }) {
  */
 function trainingRow(name, training) {
   const head = element("th", { scope: "row" }, statusMark("running"), name);
-  const sweep = element("a", { href: `/sweeps/${training.sweep_id}` }, training.sweep_name);
-  const run = element("a", { href: `/runs/${training.first_run}` }, counted(training.runs, "run"));
+  const sweep = element("a", { href: here(`/sweeps/${training.sweep_id}`) }, training.sweep_name);
+  const run = element("a", { href: here(`/runs/${training.first_run}`) }, counted(training.runs, "run"));
   return element(
     "tr",
     {},
@@ -86,7 +87,7 @@ function waitingRow({ sweep_id: id, sweep_name: name, runs, priority, since, rea
   return element(
     "tr",
     {},
-    element("th", { scope: "row" }, element("a", { href: `/sweeps/${id}` }, name)),
+    element("th", { scope: "row" }, element("a", { href: here(`/sweeps/${id}`) }, name)),
     element("td", { class: "number" }, count(runs)),
     element("td", { class: "number" }, String(priority)),
     element("td", {}, timeElement(since)),

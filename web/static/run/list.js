@@ -7,6 +7,7 @@ import { varied } from "../parts/identity.js";
 import { algorithmColour } from "../parts/palette.js";
 import { statusMark } from "../parts/status.js";
 import { count, number } from "../texts/format.js";
+import { here } from "../texts/place.js";
 import { activityText, canCancel, canRetry, statusText, tookText } from "../texts/run.js";
 import { cancelRun, retryRun } from "./moves.js";
 
@@ -77,7 +78,7 @@ export class RunList {
       "tr",
       {},
       element("td", {}, box),
-      element("th", { scope: "row" }, element("a", { href: `/runs/${run.id}` }, ordinal)),
+      element("th", { scope: "row" }, element("a", { href: here(`/runs/${run.id}`) }, ordinal)),
       element("td", {}, state, activity, reason),
       element("td", {}, run.environment),
       element("td", {}, run.label),
@@ -85,7 +86,7 @@ export class RunList {
       element("td", { class: "number" }, String(run.seed)),
       element("td", {}, sparkline.node),
       ...numbers,
-      element("td", {}, cancel, retry),
+      element("td", { "data-needs": "own" }, cancel, retry),
     );
     const update = (/** @type {Row} */ now) => {
       ({ run } = now);

@@ -4,6 +4,7 @@ import { moveAll } from "../connection/bulk.js";
 import { confirm } from "../parts/confirm.js";
 import { at, setText } from "../parts/element.js";
 import { count, counted } from "../texts/format.js";
+import { here } from "../texts/place.js";
 
 /** @import { Field, View } from "../parts/view.js" */
 /** @typedef {"pause" | "resume" | "retry" | "cancel"} Verb */
@@ -25,7 +26,7 @@ export class Picked {
     this.#refetch = refetch;
     at("compare").addEventListener("click", () => {
       const query = new URLSearchParams(this.#ids.map((id) => ["run", id]));
-      location.assign(`/compare?${query}`);
+      location.assign(here(`/compare?${query}`));
     });
     at("unpick").addEventListener("click", () => {
       setText(at("picked-state"), "");

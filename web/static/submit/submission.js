@@ -2,6 +2,7 @@
 import { get, isDropped, post, refusalOf } from "../connection/api.js";
 import { at, element, field, setText } from "../parts/element.js";
 import { clearFaults, showFaults } from "../parts/faults.js";
+import { here } from "../texts/place.js";
 import { LearnerFields } from "./learner_fields.js";
 import { estimateText, fillPlan } from "./plan.js";
 import { readSetting } from "./values.js";
@@ -220,7 +221,7 @@ export class Submission {
     try {
       const headers = { "Idempotency-Key": this.#key };
       const sweep = /** @type {Api.Sweep} */ (await post("/sweeps", this.#request(), headers));
-      location.assign(`/sweeps/${sweep.id}`);
+      location.assign(here(`/sweeps/${sweep.id}`));
     } catch (error) {
       this.#sent = this.#submitter.disabled = false;
       this.#refused(refusalOf(error));

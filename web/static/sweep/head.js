@@ -1,9 +1,11 @@
 /** The head of a sweep's pages: what it is, how far it is, and what can be done to it. */
 import { get, post, refusalOf } from "../connection/api.js";
 import * as connection from "../connection/state.js";
+import { mayChange, ownerText } from "../parts/caller.js";
 import { at, setText } from "../parts/element.js";
 import { statusCounts, timeElement } from "../parts/status.js";
 import { count, percent } from "../texts/format.js";
+import { here } from "../texts/place.js";
 import { isActive, stateText, summary } from "../texts/sweep.js";
 import { Description } from "./description.js";
 import { cancelSweep, deleteSweep } from "./moves.js";
@@ -38,7 +40,7 @@ export class SweepHead {
     at("cancel").addEventListener("click", () => this.#act((sweep) => cancelSweep(sweep)));
     at("delete").addEventListener("click", () =>
       this.#act(async (sweep) => {
-        if (await deleteSweep(sweep)) location.assign("/");
+        if (await deleteSweep(sweep)) location.assign(here("/"));
       }),
     );
     for (const verb of /** @type {const} */ (["pause", "resume", "retry", "uncancel"])) {
@@ -65,14 +67,20 @@ export class SweepHead {
   #show(sweep) {
     document.title = `${percent(sweep.progress)} · ${sweep.name}${this.#titled} · d3pg`;
     setText(at("name"), sweep.name);
-    at("summary").replaceChildren(summary(sweep), " · submitted ", timeElement(sweep.created_at));
+    const submitted = ["submitted", ownerText(sweep.owner)].filter(Boolean).join(" ");
+    at("summary").replaceChildren(
+      summary(sweep),
+      ` · ${submitted} `,
+      timeElement(sweep.created_at),
+    );
+    at("sweep").toggleAttribute("data-others", !mayChange(sweep.owner));
     at("progress", HTMLProgressElement).value = sweep.progress;
     setText(at("percent"), percent(sweep.progress));
     setText(at("remaining"), stateText(sweep));
     setText(at("total"), count(sweep.runs.total));
     const draft = new URLSearchParams({ new: JSON.stringify(sweep.request) });
     const again = at("again", HTMLAnchorElement);
-    again.href = `/?${draft}`;
+    again.href = here(`/?${draft}`);
     again.hidden = false; // not before: it would lead to an empty form
     this.#showCounts(sweep);
     this.#description.show(sweep);

@@ -4,6 +4,7 @@ import { moveAll } from "../connection/bulk.js";
 import { confirm } from "../parts/confirm.js";
 import { at, setText } from "../parts/element.js";
 import { counted } from "../texts/format.js";
+import { here } from "../texts/place.js";
 
 /** @import { Field, View } from "../parts/view.js" */
 
@@ -23,7 +24,7 @@ export class PickedSweeps {
     this.#refetch = refetch;
     at("compare-picked").addEventListener("click", () => {
       const query = new URLSearchParams(view.get("pick").map((id) => ["sweep", id]));
-      location.assign(`/compare?${query}`);
+      location.assign(here(`/compare?${query}`));
     });
     for (const move of MOVES) {
       at(`${move}-picked`).addEventListener("click", () => this.#move(move));

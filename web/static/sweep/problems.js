@@ -2,6 +2,7 @@
 import { get } from "../connection/api.js";
 import { at, element, setText, within } from "../parts/element.js";
 import { counted } from "../texts/format.js";
+import { here } from "../texts/place.js";
 
 const BAD = /** @type {const} */ (["failed", "diverged"]);
 const LISTED = 20;
@@ -45,7 +46,7 @@ function reasons(runs) {
     const [first] = alike;
     const others = alike.length > 1 ? ` and ${alike.length - 1} more` : "";
     const who = `${first.label} in ${first.environment}, seed ${first.seed}${others}`;
-    const link = element("a", { href: `/runs/${first.id}` }, who);
+    const link = element("a", { href: here(`/runs/${first.id}`) }, who);
     return element("li", {}, link, ": ", element("span", { class: "reason" }, text));
   });
   const hidden = groups.size - shown.length;

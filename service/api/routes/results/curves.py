@@ -15,6 +15,7 @@ from service.analysis.comparison import (
     compare,
 )
 from service.analysis.curves import Band
+from service.api.access.authority import MAY_READ
 from service.api.context import TheCompared, TheStore
 from service.api.refusals.nearest import unknown_name
 from service.api.refusals.problems import Fault, ImpossibleMove, InvalidRequest
@@ -27,7 +28,12 @@ from service.model.environment import best_return
 from service.model.run_curve import RETURNS, RunCurve
 from service.store.store import Store
 
-router = APIRouter(prefix="/sweeps/{sweep_id}", tags=["curves"], route_class=RevalidatedRoute)
+router = APIRouter(
+    prefix="/sweeps/{sweep_id}",
+    tags=["curves"],
+    route_class=RevalidatedRoute,
+    dependencies=[MAY_READ],
+)
 
 DEFAULT_POINTS = 300
 MAX_POINTS = 10_000

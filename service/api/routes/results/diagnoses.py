@@ -8,6 +8,7 @@ from fastapi import APIRouter, Query, Response
 
 from service.analysis.diagnosis import FIGURES, FigureName, diagnosed_cells, figures_of
 from service.analysis.figures.figure_form import MEDIA_TYPES, Form
+from service.api.access.authority import MAY_READ, MAY_SUBMIT
 from service.api.context import (
     TheLabel,
     TheRun,
@@ -18,6 +19,7 @@ from service.api.context import (
 )
 from service.api.diagnoser import Diagnoser
 from service.api.learned import Learned, TheLearned
+from service.api.place import here
 from service.api.refusals.nearest import unknown_name
 from service.api.refusals.problems import (
     Fault,
@@ -40,7 +42,10 @@ router = APIRouter()
 runs = APIRouter(prefix="/runs/{run_id}/diagnosis", tags=["runs"])
 sweeps = APIRouter(prefix="/sweeps/{sweep_id}/diagnosis", tags=["sweeps"])
 told = APIRouter(
-    prefix="/sweeps/{sweep_id}/diagnosis", tags=["sweeps"], route_class=RevalidatedRoute
+    prefix="/sweeps/{sweep_id}/diagnosis",
+    tags=["sweeps"],
+    route_class=RevalidatedRoute,
+    dependencies=[MAY_READ],
 )
 
 MOST_AT_ONCE = 256
@@ -51,7 +56,7 @@ PICTURES: dict[int | str, dict[str, Any]] = {
 }
 
 
-@runs.post("", status_code=HTTPStatus.ACCEPTED)
+@runs.post("", status_code=HTTPStatus.ACCEPTED, dependencies=[MAY_SUBMIT])
 def diagnose_run(
     run: TheRun,
     label: TheLabel,
@@ -69,13 +74,18 @@ def diagnose_run(
     return _of_run(store, run, label)
 
 
-@runs.get("")
+@runs.get("", dependencies=[MAY_READ])
 def get_run_diagnosis(run: TheRun, label: TheLabel, store: TheStore) -> DiagnosisAnswer:
     """Tell what was found about a run, or how far its diagnosis is."""
     return _of_run(store, run, label)
 
 
-@runs.get("/{figure}.{form}", response_class=Response, responses=PICTURES)
+@runs.get(
+    "/{figure}.{form}",
+    response_class=Response,
+    responses=PICTURES,
+    dependencies=[MAY_READ],
+)
 def get_run_diagnosis_figure(
     run: TheRun, figure: FigureName, form: Form, store: TheStore, side: TheSide
 ) -> Response:
@@ -86,7 +96,7 @@ def get_run_diagnosis_figure(
     return _drawn(side, figure, subject, diagnoses, entries, form)
 
 
-@sweeps.post("", status_code=HTTPStatus.ACCEPTED)
+@sweeps.post("", status_code=HTTPStatus.ACCEPTED, dependencies=[MAY_SUBMIT])
 def diagnose_sweep(
     sweep: TheSweep, cells: Cells, store: TheStore, diagnoser: TheDiagnoser
 ) -> DiagnosisAnswer:
@@ -152,12 +162,13 @@ def _ask(diagnoser: Diagnoser, asked: Sequence[Run]) -> None:
 
 def _of_run(store: Store, run: Run, label: str) -> DiagnosisAnswer:
     diagnoses = [store.find_diagnosis(run.id)] if run.status.is_final else []
-    return DiagnosisAnswer.of(f"/api/v1/runs/{run.id}/diagnosis", diagnoses, lambda _: label)
+    link = here(f"/api/v1/runs/{run.id}/diagnosis")
+    return DiagnosisAnswer.of(link, diagnoses, lambda _: label)
 
 
 def _of_sweep(store: Store, sweep: Sweep, cells: CellsQuery) -> DiagnosisAnswer:
     diagnoses = _of_cells(store, sweep, cells)
-    link = f"/api/v1/sweeps/{sweep.id}/diagnosis"
+    link = here(f"/api/v1/sweeps/{sweep.id}/diagnosis")
     return DiagnosisAnswer.of(link, diagnoses, Entries(sweep.request).label)
 
 

@@ -13,6 +13,7 @@ from service.analysis.comparison import Comparison
 from service.analysis.figures.figure_data import figure_data
 from service.analysis.figures.figure_form import MEDIA_TYPES, Form
 from service.analysis.figures.paper_figure import MAX_CURVES, PAPER, FigureNumber
+from service.api.access.authority import MAY_READ
 from service.api.context import TheCheckpoints, TheCompared, TheSide, TheStore, TheSweep
 from service.api.refusals.problems import (
     Fault,
@@ -30,7 +31,12 @@ from service.store.store import Store
 from workers.checkpoints.folder import UnavailableError
 from workers.checkpoints.sealed_file import DamagedError
 
-router = APIRouter(prefix="/sweeps/{sweep_id}", tags=["curves"], route_class=RevalidatedRoute)
+router = APIRouter(
+    prefix="/sweeps/{sweep_id}",
+    tags=["curves"],
+    route_class=RevalidatedRoute,
+    dependencies=[MAY_READ],
+)
 
 CURVES = "service.analysis.figures.plot:draw"
 DATA: dict[int | str, dict[str, Any]] = {

@@ -8,6 +8,7 @@ from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import StreamingResponse
 
 from algorithms.measurement import Measurement
+from service.api.access.authority import MAY_READ
 from service.api.context import TheRun, TheStore, TheSweep
 from service.api.negotiation import asked_form
 from service.api.refusals.problems import Fault, InvalidRequest
@@ -25,7 +26,7 @@ from service.model.run_name import RunName
 from service.model.sweep import Sweep
 from service.store.store import Store
 
-router = APIRouter(tags=["runs"])
+router = APIRouter(tags=["runs"], dependencies=[MAY_READ])
 
 Format = Literal["json", "csv"]
 CSV_EXAMPLE = (

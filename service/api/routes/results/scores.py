@@ -14,6 +14,7 @@ from service.analysis.statistics.score_table import ScoreTable, score_table
 from service.analysis.statistics.score_table_text import latex, markdown
 from service.analysis.statistics.scores import CellScores, sweep_scores
 from service.analysis.statistics.sweep_statistics import sweep_statistics
+from service.api.access.authority import MAY_READ
 from service.api.context import TheCompared, TheStore, TheSweep
 from service.api.negotiation import asked_form
 from service.api.refusals.nearest import unknown_name
@@ -34,7 +35,12 @@ from service.queue.question_rounds import pairs_of
 from service.queue.search_rounds import ladders_of, searches_that_tried
 from service.store.store import Store
 
-router = APIRouter(prefix="/sweeps/{sweep_id}", tags=["curves"], route_class=RevalidatedRoute)
+router = APIRouter(
+    prefix="/sweeps/{sweep_id}",
+    tags=["curves"],
+    route_class=RevalidatedRoute,
+    dependencies=[MAY_READ],
+)
 
 MAX_COMPARED = 4_000_000
 TableForm = Literal["json", "csv", "markdown", "latex"]

@@ -7,6 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from service.cli.app import app
+from service.cli.host.serving import is_secret
 from service.settings import Settings, variable_of
 
 runner = CliRunner()
@@ -32,12 +33,24 @@ def environment(monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
     return given
 
 
+FLAGS = {name: field for name, field in Settings.model_fields.items() if not is_secret(field)}
+
+
 def test_each_setting_is_a_flag(environment: dict[str, str]) -> None:
-    values = dict.fromkeys(Settings.model_fields, "5")
+    values = dict.fromkeys(FLAGS, "5")
     flags = [f"--{name.replace('_', '-')}={value}" for name, value in values.items()]
     assert isinstance(runner.invoke(app, ["serve", *flags]).exception, Started)
     for name, value in values.items():
         assert environment[variable_of(name)] == value
+
+
+def test_a_secret_is_no_flag() -> None:
+    """It would stand in the shell's history and in the list of processes."""
+    secrets = Settings.model_fields.keys() - FLAGS.keys()
+    assert secrets == {"token", "webhook_secret"}
+    for name in secrets:
+        result = runner.invoke(app, ["serve", f"--{name.replace('_', '-')}=something-secret"])
+        assert result.exit_code == 2
 
 
 def test_a_task_file_may_be_given_again(environment: dict[str, str]) -> None:
@@ -58,7 +71,7 @@ def test_what_is_not_given_is_not_set(environment: dict[str, str]) -> None:
 def test_help_describes_every_flag(width: str) -> None:
     shown = runner.invoke(app, ["serve", "--help"], env={"COLUMNS": width}).output
     words = " ".join(shown.replace("│", " ").split())
-    for name, field in Settings.model_fields.items():
+    for name, field in FLAGS.items():
         assert f"--{name.replace('_', '-')} " in words
         assert " ".join(str(field.description).split()[:3]) in words
     assert "8000 if unset." in words

@@ -9,7 +9,7 @@ from starlette.routing import Mount
 from starlette.testclient import TestClient
 from starlette.websockets import WebSocketDisconnect
 
-from service.api.security import PUBLIC_PATHS, PUBLIC_PREFIX, host_name, is_public
+from service.api.access.guard import PUBLIC_PATHS, PUBLIC_PREFIX, host_name, is_public
 from tests.service.conftest import TOKEN
 
 METHODS = ("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS")

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from pydantic import SecretStr
 
-from service.api.access_token import access_token, session_cookie, signin_link
+from service.api.access.access_token import access_token
 from service.refusal import RefusalError
 from service.settings import Settings
 
@@ -45,16 +45,3 @@ def test_a_set_token_makes_no_file(tmp_path: Path) -> None:
     settings = Settings(data_dir=tmp_path, token=SecretStr("set by the operator"))
     assert access_token(settings) == "set by the operator"
     assert not list(tmp_path.iterdir())
-
-
-def test_the_link_survives_any_token() -> None:
-    assert signin_link(Settings(port=1234), "a&b=c d").endswith(":1234/signin?token=a%26b%3Dc%20d")
-
-
-def test_the_cookie_does_not_hold_the_token() -> None:
-    name, value = session_cookie("one token of the tests")
-    assert "token of" not in value
-    assert session_cookie("one token of the tests") == (name, value)
-    other_name, other_value = session_cookie("another token of the tests")
-    assert other_name != name
-    assert other_value != value

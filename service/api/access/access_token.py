@@ -1,11 +1,11 @@
-"""The access token: one per data directory, in a file that its owner alone can read."""
+"""The service's own token: one per data directory, in a file that its owner alone can read.
 
-import hashlib
-import hmac
+Whoever has it is the administrator.
+"""
+
 import os
 import secrets
 from pathlib import Path
-from urllib.parse import quote
 
 from service.data_dir import make_private
 from service.refusal import RefusalError
@@ -45,23 +45,6 @@ def webhook_secret(settings: Settings) -> str:
     file = settings.data_dir / WEBHOOK_FILE_NAME
     _create_unless_there(file)
     return file.read_text(encoding="utf-8").strip()
-
-
-def signin_link(settings: Settings, token: str) -> str:
-    """Return the link that signs a browser in."""
-    return f"{settings.url}/signin?token={quote(token, safe='')}"
-
-
-def session_cookie(token: str) -> tuple[str, str]:
-    """Return name and value of the cookie that stands for the token in a browser.
-
-    The value follows from the token, so sessions outlive a restart, but not the other way round.
-    The name differs per token: cookies do not know ports, and two services on one machine must
-    not sign each other's browsers out.
-    """
-    name = hmac.digest(token.encode(), b"cookie name", hashlib.sha256).hex()[:8]
-    value = hmac.digest(token.encode(), b"cookie value", hashlib.sha256).hex()
-    return f"d3pg-{name}", value
 
 
 def _create_unless_there(file: Path) -> None:

@@ -5,13 +5,14 @@ So every HTTP request and WebSocket handshake, whatever route it is for, passes 
 
 1. Host: is it addressed to a name of ours? (A rebound foreign name is not: DNS rebinding.)
 2. Origin, Sec-Fetch-Site: does it come from a page of ours, or from no page? (Cross-site requests.)
-3. Token: `Authorization: Bearer TOKEN`, or the cookie that the sign-in link sets.
+3. Token: `Authorization: Bearer TOKEN`, or the cookie of a session.
 
 Only `PUBLIC_PATHS` and what lies under `PUBLIC_PREFIX` are let off the third. A new route is
-covered without its author knowing of this file.
+covered without its author knowing of this file. What a caller may do is for the routes to say
+(`authority`); here it is found out who calls.
 """
 
-import hmac
+from collections.abc import Mapping
 from http import HTTPStatus
 from urllib.parse import urlsplit
 
@@ -20,14 +21,17 @@ from starlette.requests import HTTPConnection
 from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from service.api.access_token import session_cookie
+from service.api.access.cookie import SessionCookie
+from service.api.access.register import Register
 from service.api.refusals.problems import problem_response
 from service.api.shell import address_of, problem_page, wants_page
+from service.model.caller import Caller
 from service.settings import Settings
 
 PUBLIC_PATHS = frozenset({"/healthz", "/signin"})
 PUBLIC_PREFIX = "/static/"
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
+YEAR_SECONDS = 365 * 24 * 3600
 WEBSOCKET_POLICY_VIOLATION = 1008
 
 CONTENT_SECURITY_POLICY = (
@@ -48,25 +52,31 @@ SECURITY_HEADERS = {
 class Guard:
     """Lets through what is addressed to us, comes from us and carries the token."""
 
-    def __init__(self, app: ASGIApp, settings: Settings, token: str) -> None:
+    def __init__(
+        self, app: ASGIApp, settings: Settings, register: Register, cookie: SessionCookie
+    ) -> None:
         """Guard `app`."""
         self.app = app
         self.allowed_hosts = settings.allowed_hosts
-        self.token = token
-        self.cookie_name, self.cookie_value = session_cookie(token)
+        self.register = register
+        self.cookie = cookie
+        self.public = settings.public
+        self.security_headers = security_headers(settings)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass the request on, or answer for the application."""
         if scope["type"] == "lifespan":
             await self.app(scope, receive, send)
             return
-        refusal = self._refusal(HTTPConnection(scope))
+        request = HTTPConnection(scope)
+        request.state.caller = self._caller(request)
+        refusal = self._refusal(request)
         if refusal is None:
-            await self.app(scope, receive, _with_security_headers(send))
+            await self.app(scope, receive, self._with_security_headers(send))
         elif scope["type"] == "websocket":
             await send({"type": "websocket.close", "code": WEBSOCKET_POLICY_VIOLATION})
         else:
-            await refusal(scope, receive, _with_security_headers(send))
+            await refusal(scope, receive, self._with_security_headers(send))
 
     def _refusal(self, request: HTTPConnection) -> Response | None:
         host = request.headers.get("host", "")
@@ -74,29 +84,41 @@ class Guard:
             return refusal_response(
                 request,
                 HTTPStatus.FORBIDDEN,
-                f"This service does not answer to the host {host[:200]!r}. If it is a name of this "
-                "machine, start the service with D3PG_ALLOW_HOST (--allow-host) naming it.",
+                f"This service does not answer to the host {host[:200]!r}. If people reach "
+                "it by that name, start it with D3PG_PUBLIC_URL (--public-url), or with "
+                "D3PG_ALLOW_HOST (--allow-host) naming it.",
             )
-        if not comes_from_us(request):
+        if not comes_from_us(request, self.public.origin):
             return refusal_response(
                 request,
                 HTTPStatus.FORBIDDEN,
                 "A page of another site asked for this; the service answers its own pages only.",
             )
-        if is_public(request.scope["path"]) or self._is_signed_in(request):
+        if is_public(request.scope["path"]) or request.state.caller is not None:
             return None
         return refusal_response(
             request,
             HTTPStatus.UNAUTHORIZED,
             "Not signed in. In a browser, open the sign-in link that the service prints when it "
-            "starts; elsewhere send 'Authorization: Bearer TOKEN'. `d3pg token` prints the token.",
+            "starts, or a new one of `d3pg signin`; elsewhere send 'Authorization: Bearer TOKEN'.",
         )
 
-    def _is_signed_in(self, request: HTTPConnection) -> bool:
-        scheme, _, credential = request.headers.get("authorization", "").partition(" ")
+    def _with_security_headers(self, send: Send) -> Send:
+        async def send_with_headers(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                headers = MutableHeaders(scope=message)
+                for name, value in self.security_headers.items():
+                    headers.setdefault(name, value)
+            await send(message)
+
+        return send_with_headers
+
+    def _caller(self, request: HTTPConnection) -> Caller | None:
+        """Return who calls; None for a stranger. A token that is sent counts, right or wrong."""
+        scheme, _, token = request.headers.get("authorization", "").partition(" ")
         if scheme.lower() == "bearer":
-            return is_equal_secret(credential.strip(), self.token)
-        return is_equal_secret(request.cookies.get(self.cookie_name, ""), self.cookie_value)
+            return self.register.by_token(token.strip())
+        return self.register.by_cookie(request.cookies.get(self.cookie.name, ""))
 
 
 def host_name(host: str) -> str:
@@ -111,15 +133,16 @@ def host_name(host: str) -> str:
     return f"[{name}]" if ":" in name else name
 
 
-def comes_from_us(request: HTTPConnection) -> bool:
-    """Whether no page of another origin sent this.
+def comes_from_us(request: HTTPConnection, public_origin: str) -> bool:
+    """Whether no page of another origin sent this. Ours is the public one, or the host asked.
 
     Browsers send Sec-Fetch-Site with every request and Origin with every one that could do harm;
     neither can be set by a page. Programs send none. Following a link to us is allowed; the
     session cookie, SameSite=Strict, does not come along then.
     """
     origin = request.headers.get("origin")
-    if origin is not None and urlsplit(origin).netloc.lower() != request.headers["host"].lower():
+    is_ours = origin is None or origin.lower() == public_origin or _is_asked(request, origin)
+    if not is_ours:
         return False
     is_link = (
         request.scope.get("method", "WEBSOCKET") in SAFE_METHODS
@@ -129,14 +152,14 @@ def comes_from_us(request: HTTPConnection) -> bool:
     return site in {"same-origin", "none"} or is_link
 
 
+def _is_asked(request: HTTPConnection, origin: str) -> bool:
+    """Whether the page came from the host and port that the request names."""
+    return urlsplit(origin).netloc.lower() == request.headers["host"].lower()
+
+
 def is_public(path: str) -> bool:
     """Whether a path is answered without a token."""
     return path in PUBLIC_PATHS or path.startswith(PUBLIC_PREFIX)
-
-
-def is_equal_secret(given: str, secret: str) -> bool:
-    """Compare in a time that does not tell how much of it was right."""
-    return hmac.compare_digest(given.encode(errors="replace"), secret.encode())
 
 
 def refusal_response(
@@ -154,12 +177,8 @@ def refusal_response(
     return problem_page(status, title, detail, wanted or address_of(request), headers)
 
 
-def _with_security_headers(send: Send) -> Send:
-    async def send_with_headers(message: Message) -> None:
-        if message["type"] == "http.response.start":
-            headers = MutableHeaders(scope=message)
-            for name, value in SECURITY_HEADERS.items():
-                headers.setdefault(name, value)
-        await send(message)
-
-    return send_with_headers
+def security_headers(settings: Settings) -> Mapping[str, str]:
+    """Return the headers of every answer. Only an address with TLS is told to keep to TLS."""
+    if not settings.public_url or not settings.public.is_secure:
+        return SECURITY_HEADERS
+    return {**SECURITY_HEADERS, "Strict-Transport-Security": f"max-age={YEAR_SECONDS}"}

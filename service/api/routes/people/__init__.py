@@ -1,0 +1,1 @@
+"""Routes to who may call: signing in and out, users, shares, sessions."""

@@ -1,0 +1,71 @@
+"""Shares: links that let whoever has them read some sweeps, for a time."""
+
+from http import HTTPStatus
+
+from fastapi import APIRouter, Request
+
+from service.api.access.authority import MAY_READ, MAY_SUBMIT
+from service.api.access.links import link_to
+from service.api.access.register import TooManySharesError
+from service.api.context import TheCaller, TheRegister, TheStore, may_be_id
+from service.api.refusals.problems import Fault, ImpossibleMove, InvalidRequest, NotFound, printable
+from service.api.schemas.people import NewShareAnswer, ShareAnswer, ShareRequest
+from service.model.caller import Caller, Share
+from service.store.store import Store
+
+router = APIRouter(prefix="/shares", tags=["people"])
+
+
+@router.get("", dependencies=[MAY_READ])
+def list_shares(caller: TheCaller, register: TheRegister) -> list[ShareAnswer]:
+    """List the shares that have not expired: one's own, an administrator those of all."""
+    return [ShareAnswer.of(share) for share in _of(caller, register)]
+
+
+@router.post("", status_code=HTTPStatus.CREATED, dependencies=[MAY_SUBMIT])
+def add_share(
+    asked: ShareRequest,
+    request: Request,
+    caller: TheCaller,
+    register: TheRegister,
+    store: TheStore,
+) -> NewShareAnswer:
+    """Make a link that opens a page without signing in, and tell it, this once.
+
+    Whoever has it can read all of these sweeps until it expires, and nothing else.
+    """
+    _refuse_unknown(asked.sweeps, store)
+    try:
+        share, token = register.add_share(
+            tuple(asked.sweeps), asked.opened, asked.days, caller.name
+        )
+    except TooManySharesError as refusal:
+        raise ImpossibleMove(f"No share was made: {refusal}.") from refusal
+    link = link_to(request, f"/signin#share={token}")
+    return NewShareAnswer.of(share).model_copy(update={"link": link})
+
+
+@router.delete("/{share_id}", dependencies=[MAY_READ])
+def revoke_share(share_id: str, caller: TheCaller, register: TheRegister) -> ShareAnswer:
+    """Take a share back, at once."""
+    for share in _of(caller, register):
+        if share.id == share_id:
+            register.remove_share(share_id)
+            return ShareAnswer.of(share)
+    raise NotFound(f"There is no share {printable(share_id)!r} of yours.")
+
+
+def _of(caller: Caller, register: TheRegister) -> list[Share]:
+    return [share for share in register.shares() if caller.may_change(share.made_by)]
+
+
+def _refuse_unknown(sweeps: list[str], store: Store) -> None:
+    """Raise InvalidRequest with every sweep that there is not."""
+    known = store.sweep_owners([each for each in sweeps if may_be_id(each)])
+    faults = [
+        Fault(f"sweeps[{place}]", f"there is no sweep {printable(each)!r}")
+        for place, each in enumerate(sweeps)
+        if each not in known
+    ]
+    if faults:
+        raise InvalidRequest(faults)

@@ -1,0 +1,54 @@
+"""Users: people and programs with tokens of their own."""
+
+from http import HTTPStatus
+
+from fastapi import APIRouter
+
+from service.api.access.authority import MAY_ADMINISTER
+from service.api.context import TheRegister
+from service.api.refusals.problems import ImpossibleMove, NotFound, printable
+from service.api.schemas.people import NewUserAnswer, UserAnswer, UserRequest
+from service.model.caller import User
+from service.store.refusal import NameTakenError
+
+router = APIRouter(prefix="/users", tags=["people"], dependencies=[MAY_ADMINISTER])
+
+
+@router.get("")
+def list_users(register: TheRegister) -> list[UserAnswer]:
+    """List users by name, those that were revoked too. The administrator is none of them."""
+    return [UserAnswer.of(user) for user in register.users()]
+
+
+@router.post("", status_code=HTTPStatus.CREATED)
+def add_user(request: UserRequest, register: TheRegister) -> NewUserAnswer:
+    """Make a user and tell its token, this once. 409 where there is one of that name.
+
+    Somebody who was revoked gets another token, and has their sweeps again.
+    """
+    try:
+        token = register.add_user(request.name, request.scope)
+    except NameTakenError as refusal:
+        raise ImpossibleMove(_sentence(refusal)) from refusal
+    answer = NewUserAnswer.of(_found(request.name, register))
+    return answer.model_copy(update={"token": token})
+
+
+@router.delete("/{name}")
+def revoke_user(name: str, register: TheRegister) -> UserAnswer:
+    """Take a user's token away, at once, with its sessions and shares. Its sweeps stay."""
+    _found(name, register)
+    register.revoke_user(name)
+    return UserAnswer.of(_found(name, register))
+
+
+def _found(name: str, register: TheRegister) -> User:
+    for user in register.users():
+        if user.name == name:
+            return user
+    raise NotFound(f"There is no user {printable(name)!r}.")
+
+
+def _sentence(refusal: Exception) -> str:
+    text = str(refusal)
+    return f"{text[0].upper()}{text[1:]}."
