@@ -57,6 +57,7 @@ def test_it_forms_and_stands(signed_in: Page, live: LiveService, scheme: str) ->
     expect(first.get_by_role("img")).to_have_accessible_name(drawn)
     verdict.get_by_text("In a sentence for a paper").click()
     expect(verdict).to_contain_text("Better than ddpg: hybrid-ddpg in MassPoint")
+    expect(verdict).to_contain_text("Seeds that chose settings do not count: 100 to 115")
     expect(signed_in.locator("#curves[aria-busy]")).to_have_count(0)  # faint until then
     assert violations(signed_in) == []
 

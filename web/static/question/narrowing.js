@@ -1,35 +1,111 @@
 /** A confidence sequence as it narrows: the band of the mean over the pairs seen. */
-import { shape } from "../parts/element.js";
+import { element, shape } from "../parts/element.js";
 
 const WIDTH = 300;
 const HEIGHT = 90;
+const APART = 0.15; // share of the height between two numbers that can be read
+
+/** @typedef {{ least: number, most: number }} Extent of the differences that are drawn */
+
+/**
+ * The extent of some sequences: drawn to one scale, they can be compared.
+ *
+ * @param {Api.Comparison["sequence"][]} sequences
+ * @param {number} margin
+ * @returns {Extent}
+ */
+export function extentOf(sequences, margin) {
+  const known = (/** @type {(number | null)[]} */ values) => values.filter((value) => value !== null);
+  return {
+    least: Math.min(-margin, ...sequences.flatMap(({ low }) => known(low))),
+    most: Math.max(margin, ...sequences.flatMap(({ high }) => known(high))),
+  };
+}
 
 /**
  * @param {Api.Comparison["sequence"]} sequence
  * @param {number} margin differences of less than that do not matter
  * @param {string} colour
- * @returns {SVGSVGElement}
+ * @param {Extent} extent
+ * @returns {HTMLElement}
  */
-export function narrowing({ n, mean, low, high }, margin, colour) {
-  const seen = n.flatMap((pairs, i) => {
+export function narrowing(sequence, margin, colour, extent) {
+  const looks = looksOf(sequence);
+  const ends = looks.length > 1 ? [`${looks[0].pairs}`, `${looks.at(-1)?.pairs} pairs`] : [];
+  return element(
+    "div",
+    { class: "narrowing" },
+    element("div", { "class": "scale", "aria-hidden": "true" }, ...marks(extent)),
+    picture(looks, margin, colour, extent),
+    element("div", { "class": "pairs", "aria-hidden": "true" }, ...ends.map((text) => element("span", {}, text))),
+  );
+}
+
+/**
+ * @param {Api.Comparison["sequence"]} sequence
+ * @returns {Look[]}
+ */
+function looksOf({ n, mean, low, high }) {
+  return n.flatMap((pairs, i) => {
     const [middle, bottom, top] = [mean[i], low[i], high[i]];
     return middle === null || bottom === null || top === null ? [] : [{ pairs, middle, bottom, top }];
   });
-  const picture = shape("svg", {
+}
+
+/**
+ * 0 and the ends of the scale, each at its height; an end that is too near to 0 is left out.
+ *
+ * @param {Extent} extent
+ * @returns {HTMLElement[]}
+ */
+function marks({ least, most }) {
+  const height = (/** @type {number} */ value) => (most - value) / (most - least);
+  const ends = [most, least].filter((value) => Math.abs(height(value) - height(0)) > APART);
+  return [0, ...ends].map((value) => {
+    const mark = element("span", {}, value === 0 ? "0" : signed(value));
+    mark.style.top = `${100 * within(height(value))}%`;
+    return mark;
+  });
+}
+
+/**
+ * @param {number} value
+ * @returns {string}
+ */
+function signed(value) {
+  return `${value < 0 ? "−" : "+"}${Math.abs(value).toFixed(2)}`;
+}
+
+/**
+ * A share of the extent as one of the drawing, which keeps a little room above and below.
+ *
+ * @param {number} share
+ * @returns {number}
+ */
+function within(share) {
+  return 0.04 + 0.92 * share;
+}
+
+/**
+ * @param {Look[]} seen
+ * @param {number} margin
+ * @param {string} colour
+ * @param {Extent} extent
+ * @returns {SVGSVGElement}
+ */
+function picture(seen, margin, colour, { least, most }) {
+  const drawing = shape("svg", {
     "viewBox": `0 0 ${WIDTH} ${HEIGHT}`,
     "preserveAspectRatio": "none",
-    "class": "narrowing",
     "role": "img",
     "aria-label": description(seen),
   });
-  const least = Math.min(-margin, ...seen.map(({ bottom }) => bottom));
-  const most = Math.max(margin, ...seen.map(({ top }) => top));
   const first = seen[0]?.pairs ?? 0;
   const last = seen.at(-1)?.pairs ?? 1;
   const x = (/** @type {number} */ pairs) =>
     seen.length > 1 ? (WIDTH * (pairs - first)) / (last - first) : WIDTH / 2;
-  const y = (/** @type {number} */ value) => HEIGHT * (0.04 + (0.92 * (most - value)) / (most - least));
-  picture.append(
+  const y = (/** @type {number} */ value) => HEIGHT * within((most - value) / (most - least));
+  drawing.append(
     shape("rect", {
       class: "margin",
       x: 0,
@@ -40,7 +116,7 @@ export function narrowing({ n, mean, low, high }, margin, colour) {
     shape("line", { class: "zero", x1: 0, x2: WIDTH, y1: y(0), y2: y(0) }),
     ...drawn(seen, x, y, colour),
   );
-  return picture;
+  return drawing;
 }
 
 /**
@@ -59,9 +135,12 @@ export function narrowing({ n, mean, low, high }, margin, colour) {
  */
 function drawn(seen, x, y, colour) {
   if (seen.length === 1) {
-    const [{ pairs, bottom, top }] = seen;
-    const bar = { x1: x(pairs), x2: x(pairs), y1: y(bottom), y2: y(top), stroke: colour };
-    return [shape("line", { class: "mean", ...bar })];
+    const [{ pairs, middle, bottom, top }] = seen;
+    const place = { x1: x(pairs), x2: x(pairs), stroke: colour };
+    return [
+      shape("line", { class: "mean", ...place, y1: y(bottom), y2: y(top) }),
+      shape("line", { class: "dot", ...place, y1: y(middle), y2: y(middle) }),
+    ];
   }
   const upper = seen.map(({ pairs, top }) => `${x(pairs)},${y(top)}`);
   const lower = seen.map(({ pairs, bottom }) => `${x(pairs)},${y(bottom)}`).toReversed();

@@ -121,7 +121,7 @@ function cell(standing) {
  * @returns {string}
  */
 function standingText({ score, climbing, diverged, failed }) {
-  if (climbing > 0) return `${counted(climbing, "run")} on the way`;
+  if (climbing > 0) return `${climbing} on the way`;
   if (failed > 0) return `left out: ${counted(failed, "run")} failed or cancelled`;
   const text = score === null ? "–" : score.toFixed(3).replace("-", "−");
   return diverged > 0 ? `${text} (${diverged} diverged)` : text;

@@ -4,14 +4,22 @@ import { at, element, keyed, setText } from "../parts/element.js";
 import { identities, identityOf } from "../parts/identity.js";
 import { swatch } from "../parts/swatch.js";
 import { counted, percent } from "../texts/format.js";
-import { narrowing } from "./narrowing.js";
+import { extentOf, narrowing } from "./narrowing.js";
 
 /** @import { Identity } from "../parts/identity.js" */
-/** @typedef {{ comparison: Api.Comparison, margin: number, identity: Identity }} Shown */
+/** @import { Extent } from "./narrowing.js" */
+/**
+ * @typedef {object} Shown
+ * @property {Api.Comparison} comparison
+ * @property {number} margin
+ * @property {Extent} extent
+ * @property {Identity} identity
+ */
 
+const DECIDED = ["better", "worse", "equivalent"];
 const DRAWN =
-  "Drawn: the mean of the differences and its interval over the pairs seen, the line at 0, and the " +
-  "differences that do not matter in grey.";
+  "Drawn, all to one scale: the mean of the differences and its interval over the pairs seen, the " +
+  "line at 0, and the differences that do not matter in grey.";
 
 export class Verdict {
   #id;
@@ -48,16 +56,19 @@ export class Verdict {
 
   #draw() {
     if (this.#answer === null) return;
-    const { comparisons, margin, paper, definition } = this.#answer;
+    const { comparisons, margin, paper, kept_apart: apart, definition } = this.#answer;
     const known = identities(this.#entries());
+    const extent = extentOf(comparisons.map(({ sequence }) => sequence), margin);
     this.#show(
       comparisons.map((comparison) => ({
         comparison,
         margin,
+        extent,
         identity: identityOf(known, comparison.label),
       })),
     );
     setText(at("verdict-paper"), paper);
+    setText(at("verdict-apart"), apart);
     setText(at("verdict-definition"), `${DRAWN} ${definition}`);
   }
 
@@ -76,11 +87,12 @@ class Comparison {
   node = element("li", {}, this.#title, this.#sentence, this.#picture, this.#rest);
 
   /** @param {Shown} shown */
-  update({ comparison, margin, identity }) {
-    const { environment, label, against, sentence, sequence } = comparison;
+  update({ comparison, margin, extent, identity }) {
+    const { environment, label, against, outcome, sentence, sequence } = comparison;
     this.#title.replaceChildren(swatch(identity), `${environment}: ${label} vs ${against}`);
     setText(this.#sentence, sentence.replaceAll(/-(?=\d)/g, "−"));
-    this.#picture.replaceChildren(narrowing(sequence, margin, identity.colour));
+    this.#sentence.classList.toggle("decided", DECIDED.includes(outcome));
+    this.#picture.replaceChildren(narrowing(sequence, margin, identity.colour, extent));
     setText(this.#rest, rest(comparison));
   }
 }
