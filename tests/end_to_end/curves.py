@@ -7,7 +7,7 @@ from typing import Any
 from service.client import Client
 
 Curve = Mapping[str, Sequence[Any]]
-Curves = dict[tuple[str, float, float, int], Curve]
+Curves = dict[tuple[str, str, int], Curve]
 
 END_SECONDS = 1800.0
 POLL_SECONDS = 0.2  # whoever asks takes time from those who train
@@ -21,7 +21,7 @@ def curves_at_the_end(client: Client, sweep_id: str) -> Curves:
     for run in client.runs(sweep_id):
         columns = client.measurements(run.id).columns
         assert list(columns["timestep"]) == list(range(800, run.timesteps + 1, 800))
-        key = (run.algorithm, run.weights.w1, run.weights.w2, run.seed)
+        key = (run.label, run.environment, run.seed)
         curves[key] = without_times(columns)
     return curves
 

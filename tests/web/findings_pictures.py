@@ -59,10 +59,11 @@ def submitted(live: LiveService, **fields: object) -> str:
         return client.submit({"environments": TASKS, "timesteps": STEPS, **fields}).id
 
 
-def forms(live: LiveService) -> None:
-    """Train what waits, look, and train half of what is asked for then."""
-    live.train(0, STEPS)
-    look_at_all(live.store)
+def forms(live: LiveService, looks: int) -> None:
+    """Train what waits and look, some times over; then train half of what is asked for."""
+    for _ in range(looks):
+        live.train(0, STEPS)
+        look_at_all(live.store)
     live.train(0, STEPS // 2)
 
 
@@ -103,13 +104,16 @@ def main(folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     hatch_build.bring_in(Path(__file__).parents[2] / hatch_build.VENDOR)
     warnings.simplefilter("ignore", SubmissionNotice)
-    makers: dict[str, Callable[[LiveService], str]] = {"verdict": asked, "search": searched}
+    makers: dict[str, tuple[Callable[[LiveService], str], int]] = {
+        "verdict": (asked, 3),
+        "search": (searched, 1),
+    }
     with tempfile.TemporaryDirectory() as data:
         live = LiveService(Path(data))
         with browser_page(live) as page:
-            for section, make in makers.items():
+            for section, (make, looks) in makers.items():
                 url = f"{live.url}/sweeps/{make(live)}"
-                forms(live)
+                forms(live, looks)
                 take(page, url, f"#{section}", folder, f"{section}-forms")
                 stands(live)
                 take(page, url, f"#{section}", folder, f"{section}-stands")

@@ -58,6 +58,8 @@ def test_it_climbs_and_stands(signed_in: Page, live: LiveService, scheme: str) -
     first = task.locator("tbody tr").first
     expect(first.get_by_role("rowheader")).to_have_text(answer.winner)
     expect(first.locator("strong")).to_have_count(2)
+    expect(signed_in.get_by_role("heading", name="Scores", exact=True)).to_be_visible()
+    expect(signed_in.locator("#statistics")).to_be_hidden()  # no test of what was chosen
     expect(found).to_contain_text("1,000,000,000 to 1,000,000,008), which no question takes")
     expect(signed_in.locator("#curves[aria-busy]")).to_have_count(0)  # faint until then
     assert violations(signed_in) == []

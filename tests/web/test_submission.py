@@ -2,6 +2,7 @@
 
 import json
 import re
+from typing import Any
 from urllib.parse import quote
 
 import pytest
@@ -195,23 +196,36 @@ def test_several_entries_of_an_algorithm_lists_and_labels_come_back(
     assert again.request == first.request
 
 
-def test_another_like_it_asks_the_same_question(signed_in: Page, live: LiveService) -> None:
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        (
+            {"question": {"compare": ["ours"], "with": "ddpg", "max_seeds": 40, "clip": 0.25}},
+            "may become 80",
+        ),
+        ({"search": {"budget": 200_000}, "timesteps": 8000}, "of its budget of 200,000"),
+    ],
+)
+def test_another_like_it_asks_and_searches_the_same(
+    signed_in: Page, live: LiveService, asked: dict[str, Any], said: str
+) -> None:
     """And says so: the form has no field for it."""
     body = {
         "algorithms": [{"name": "hybrid-ddpg", "label": "ours"}, {"name": "ddpg"}],
         "environments": ["Pendulum"],
         "seeds": 4,
-        "question": {"compare": ["ours"], "with": "ddpg", "max_seeds": 40, "clip": 0.25},
+        **asked,
     }
     headers = {"Content-Type": "application/json"}
     posted = signed_in.request.post(f"{live.url}/api/v1/sweeps", data=body, headers=headers).json()
     signed_in.goto(f"{live.url}/sweeps/{posted['id']}")
     signed_in.get_by_role("link", name="Submit another like it").click()
-    expect(signed_in.locator("#submission-notices")).to_contain_text("may become 80")
+    expect(signed_in.locator("#submission-notices")).to_contain_text(said)
     signed_in.get_by_role("button", name="Submit", exact=True).click()
     signed_in.wait_for_url(re.compile("/sweeps/(?!" + posted["id"] + ")"))
     again, first = live.store.list_sweeps()
-    assert again.request["question"] == first.request["question"]
+    assert {name: again.request[name] for name in asked} == asked
+    assert again.search == first.search
     assert again.is_asking
 
 

@@ -103,6 +103,8 @@ async function loadSweep(signal) {
   await head.load(signal);
   if (head.sweep !== null) notice.offer(head.sweep);
   if (!isFirst || head.sweep === null) return;
+  // Entries of a search differ in length, and the best was chosen: nothing follows from a test.
+  at("statistics").hidden = Boolean(head.sweep.request.search);
   draw();
   requestFindings();
   requestRest();
@@ -120,7 +122,7 @@ function requestRest() {
   if (head.sweep === null || comparison === null) return;
   refreshMetrics.request();
   refreshScores.request();
-  refreshStatistics.request();
+  if (!at("statistics").hidden) refreshStatistics.request();
 }
 
 /** It waits for the curves too, and changes with runs that end, not with what they measure. */
