@@ -3,8 +3,8 @@
 import pytest
 
 from algorithms.early_end import Divergence
+from service.model.inquiry.search import Rung, Search
 from service.model.run import RunStatus
-from service.model.search import Rung, Search
 from service.model.sweep import Sweep, SweepStatus
 from service.store.store import Store
 from tests.service.store.conftest import measured
