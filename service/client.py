@@ -544,9 +544,12 @@ class Client:
         name = f"plot.{form}" if number is None else f"figures/{number}.{form}"
         return self._call("GET", f"/sweeps/{sweep_id}/{name}", params=options).content
 
-    def figure_data(self, sweep_id: str, **options: FigureOption) -> str:
-        """The numbers of `figure` with the same options, as CSV: a line a point."""
-        return self._call("GET", f"/sweeps/{sweep_id}/plot.csv", params=options).text
+    def figure_data(
+        self, sweep_id: str, number: FigureNumber | None = None, **options: FigureOption
+    ) -> str:
+        """The numbers of `figure` with the same number and options, as CSV."""
+        name = "plot" if number is None else f"figures/{number}"
+        return self._call("GET", f"/sweeps/{sweep_id}/{name}.csv", params=options).text
 
     def rollout(self, run_id: str, seed: int = 0) -> RolloutAnswer:
         """An episode of a run's learned policy, from the start that the task draws for `seed`."""
