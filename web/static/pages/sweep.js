@@ -37,7 +37,7 @@ new Controls(at("controls", HTMLFormElement), view);
 new Controls(at("score-controls", HTMLFormElement), view);
 const metrics = new MetricChoice(at("controls", HTMLFormElement), view);
 const curves = new CurvesSection(view);
-const builder = new FigureBuilder(id, view);
+const builder = new FigureBuilder(() => id, view);
 
 /** @type {Api.Curves | null} */
 let comparison = null; // the latest curves, and the question that they answer
@@ -58,13 +58,13 @@ const notice = new DoneNotice(id);
 const entries = () => head.sweep?.entries ?? [];
 const maps = new SettingsMaps(view, entries);
 const scores = new ScoreTable(
-  id,
+  () => id,
   view,
   entries,
   () => refreshScores.hurry(),
   (answer) => maps.show(answer),
 );
-const statistics = new Statistics(id, view, entries, () => refreshStatistics.hurry());
+const statistics = new Statistics(() => id, view, entries, () => refreshStatistics.hurry());
 const verdict = new Verdict(id, entries);
 const refreshVerdict = new Refresh((signal) => verdict.load(signal), { interval: 5000, onError });
 const diagnosis = new DiagnosisSection(`/sweeps/${id}`, () => refreshDiagnosis.hurry());
