@@ -17,6 +17,7 @@ import { FigureBuilder } from "../sweep/figure_builder.js";
 import { FIGURE_FIELDS } from "../sweep/figure_query.js";
 import { SweepHead } from "../sweep/head.js";
 import { PaperFigures } from "../sweep/paper_figures.js";
+import { Growth } from "../submit/growth.js";
 import { ScoreTable } from "../sweep/scores.js";
 import { MAP_FIELDS, SettingsMaps } from "../sweep/settings_maps.js";
 import { Statistics } from "../sweep/statistics.js";
@@ -53,6 +54,7 @@ const refreshStatistics = new Refresh((signal) => statistics.load(signal), {
   onError,
 });
 const head = new SweepHead(id, "", () => refreshSweep.hurry(), hideAll);
+const growth = new Growth(id, () => refreshSweep.hurry());
 const figures = new PaperFigures(view);
 const notice = new DoneNotice(id);
 const entries = () => head.sweep?.entries ?? [];
@@ -96,7 +98,10 @@ at("copy-link").addEventListener("click", copyLink);
 async function loadSweep(signal) {
   const isFirst = head.sweep === null;
   await head.load(signal);
-  if (head.sweep !== null) notice.offer(head.sweep);
+  if (head.sweep !== null) {
+    notice.offer(head.sweep);
+    growth.show(head.sweep);
+  }
   if (!isFirst || head.sweep === null) return;
   draw();
   requestVerdict();
