@@ -425,6 +425,28 @@ class Client:
         """
         return self._add(sweep_id, {"timesteps": timesteps})
 
+    def estimate_growth(
+        self,
+        sweep_id: str,
+        *,
+        seeds: Sequence[int] | None = None,
+        algorithms: Sequence[Mapping[str, Any]] | None = None,
+        timesteps: int | None = None,
+    ) -> DryRunAnswer:
+        """What `add_seeds`, `add_entries` or `extend` would queue, and its cost; queues nothing.
+
+        Args:
+            sweep_id: the sweep.
+            seeds: to be added; or
+            algorithms: to be added; or
+            timesteps: that its runs are to have. The answer counts those that are added.
+        """
+        asked = {"seeds": seeds, "algorithms": algorithms, "timesteps": timesteps}
+        added = {name: value for name, value in asked.items() if value is not None}
+        path, params = f"/sweeps/{sweep_id}/runs", {"dry_run": True}
+        dry = self._call("POST", path, json=as_json(added), params=params)
+        return DryRunAnswer.model_validate_json(dry.content)
+
     def _add(self, sweep_id: str, added: Mapping[str, Any]) -> SweepAnswer:
         answer = self._call("POST", f"/sweeps/{sweep_id}/runs", json=added).content
         return SweepAnswer.model_validate_json(answer)
@@ -590,9 +612,12 @@ class Client:
         name = f"plot.{form}" if number is None else f"figures/{number}.{form}"
         return self._call("GET", f"/sweeps/{sweep_id}/{name}", params=options).content
 
-    def figure_data(self, sweep_id: str, **options: FigureOption) -> str:
-        """The numbers of `figure` with the same options, as CSV: a line a point."""
-        return self._call("GET", f"/sweeps/{sweep_id}/plot.csv", params=options).text
+    def figure_data(
+        self, sweep_id: str, number: FigureNumber | None = None, **options: FigureOption
+    ) -> str:
+        """The numbers of `figure` with the same number and options, as CSV."""
+        name = "plot" if number is None else f"figures/{number}"
+        return self._call("GET", f"/sweeps/{sweep_id}/{name}.csv", params=options).text
 
     def rollout(self, run_id: str, seed: int = 0) -> RolloutAnswer:
         """An episode of a run's learned policy, from the start that the task draws for `seed`."""

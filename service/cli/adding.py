@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -10,8 +10,13 @@ from service.api.schemas.sweep_answer import SweepAnswer
 from service.cli.algorithm_option import ALGORITHM_TEXT, algorithm_of
 from service.cli.following import counts_text
 from service.cli.identifiers import SweepId
+from service.cli.submitting import show_estimate
 from service.cli.terminal import AsJson, print_json, say
 from service.client import Client
+
+DryRun = Annotated[
+    bool, typer.Option("--dry-run", help="Only count the runs and estimate their cost.")
+]
 
 
 def add(
@@ -21,6 +26,7 @@ def add(
         list[str] | None,
         typer.Option("--algorithm", "-a", help=f"{ALGORITHM_TEXT}; may be repeated."),
     ] = None,
+    dry_run: DryRun = False,
     as_json: AsJson = False,
 ) -> None:
     """Add seeds to every curve of a sweep, or entries to every task of it."""
@@ -28,19 +34,28 @@ def add(
         raise typer.BadParameter("give either --seeds or --algorithm")
     with Client() as client:
         if seeds is not None:
-            say_grown(client.add_seeds(sweep_id, seeds_of(seeds)), as_json)
+            added: dict[str, Any] = {"seeds": seeds_of(seeds)}
         else:
-            entries = [algorithm_of(each) for each in algorithm or ()]
-            say_grown(client.add_entries(sweep_id, entries), as_json)
+            added = {"algorithms": [algorithm_of(each) for each in algorithm or ()]}
+        if dry_run:
+            show_estimate(client.estimate_growth(sweep_id, **added), as_json)
+        elif seeds is not None:
+            say_grown(client.add_seeds(sweep_id, **added), as_json)
+        else:
+            say_grown(client.add_entries(sweep_id, **added), as_json)
 
 
 def extend(
     sweep_id: SweepId,
     timesteps: Annotated[int, typer.Option(help="Of each run, from its start.")],
+    dry_run: DryRun = False,
     as_json: AsJson = False,
 ) -> None:
     """Give the runs of a sweep more timesteps: they go on from where they ended, bit for bit."""
     with Client() as client:
+        if dry_run:
+            show_estimate(client.estimate_growth(sweep_id, timesteps=timesteps), as_json)
+            return
         say_grown(client.extend(sweep_id, timesteps), as_json)
 
 

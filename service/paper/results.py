@@ -172,13 +172,15 @@ def _rounded(name: str, value: str) -> str:
 
 def _write_figures(client: Client, sweep: SweepAnswer, folder: Path) -> Iterator[str]:
     for number in figures_of(sweep):
-        for form in FORMS:
-            try:
-                picture = client.figure(sweep.id, form, number)
-            except ServiceError as refusal:
-                yield f"figure {number} is not there yet: {refusal}"
-                break
+        try:
+            pictures = {form: client.figure(sweep.id, form, number) for form in FORMS}
+            data = client.figure_data(sweep.id, number)
+        except ServiceError as refusal:
+            yield f"figure {number} is not there yet: {refusal}"
+            continue
+        for form, picture in pictures.items():
             (folder / f"figure-{number}.{form}").write_bytes(picture)
+        (folder / f"figure-{number}.csv").write_text(data, encoding="utf-8", newline="")
 
 
 def _write_table(client: Client, sweep: SweepAnswer, folder: Path) -> None:

@@ -171,6 +171,7 @@ class Store:
     add_seeds = _writes(growth.add_seeds)
     add_entries = _writes(growth.add_entries)
     extend_sweep = _writes(growth.extend)
+    refuse_growth = _reads(growth.refuse)
     delete_sweep = _writes(deletion.delete_sweep)
     move_all = _writes(bulk.move_all)
     move_sweep = _writes(sweep_moves.move_sweep)

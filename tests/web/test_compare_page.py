@@ -52,3 +52,41 @@ def test_compared_sweeps_have_metrics_scores_and_downloads(
     lines = Path(downloading.value.path()).read_text(encoding="utf-8").splitlines()
     assert len(lines) == 1 + 3 * 25
     assert violations(signed_in) == []
+
+
+def test_sweeps_are_compared_pair_by_pair_and_drawn_as_one(
+    signed_in: Page, live: LiveService
+) -> None:
+    first = live.add_sweep("old", (("ddpg", 0.0, 0.0),), environments=("Pendulum",))
+    second = live.add_sweep("new", (("hybrid-ddpg", 0.1, 0.1),), environments=("Pendulum",))
+    live.train(0, 20_000)
+    signed_in.goto(f"{live.url}/compare?sweep={first.id}&sweep={second.id}&statistics=1")
+    differences = signed_in.get_by_role("region", name="Paired differences in area")
+    expect(differences).to_contain_text("Pendulum: hybrid-ddpg · new − ddpg · old")
+    expect(differences).to_contain_text("of 4 pairs won")
+    assert violations(signed_in) == []
+    signed_in.get_by_label("compared with").select_option("hybrid-ddpg · new")
+    expect(differences).to_contain_text("Pendulum: ddpg · old − hybrid-ddpg · new")
+    signed_in.get_by_role("button", name="Pendulum").click()
+    expect(signed_in.locator("#score-table tbody th").first).to_have_text("hybrid-ddpg · new")
+    together = f"{first.id}+{second.id}"
+    for name, path in (("LaTeX", "table?"), ("SVG", "plot.svg?"), ("Report", "report")):
+        link = signed_in.get_by_role("link", name=name, exact=True)
+        assert f"/sweeps/{together}/{path}" in (link.get_attribute("href") or "")
+    colours = signed_in.locator("#legend line").evaluate_all(
+        "all => all.map((line) => line.getAttribute('stroke'))"
+    )
+    in_table = signed_in.locator("#score-table line").evaluate_all(
+        "all => all.map((line) => line.getAttribute('stroke'))"
+    )
+    assert set(in_table) == set(colours)
+
+
+def test_runs_alone_have_no_scores_and_no_file(signed_in: Page, live: LiveService) -> None:
+    sweep = live.add_sweep()
+    live.train(0, 9600)
+    signed_in.goto(f"{live.url}/compare?run={sweep.id}-0&run={sweep.id}-4")
+    expect(signed_in.locator("#legend li")).to_have_count(2)
+    for gone in ("#scores", "#statistics", "#downloads-shown", "#figure-builder"):
+        expect(signed_in.locator(gone)).to_be_hidden()
+    expect(signed_in.get_by_role("button", name="CSV")).to_be_visible()

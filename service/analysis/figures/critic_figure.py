@@ -6,7 +6,7 @@ single run, the first by seed: a mean of critics would be nobody's critic.
 """
 
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +19,7 @@ import physics
 from algorithms.measurement import MEASURE_EVERY
 from physics.tasks.mass_point import START
 from service.analysis.comparison import ABSCISSA_TEXT, Comparison, LabelledCurve
+from service.analysis.figures.figure_data import as_csv, number_text
 from service.analysis.figures.figure_form import Form
 from service.analysis.figures.picture import picture, printable
 from service.analysis.figures.plot import caption, draw_panel, styles_of
@@ -42,6 +43,7 @@ CAPTION_CHARACTERS = 210
 VISITED = (POSITIONS >= START) & (POSITIONS <= 0.0)
 SLOPE_COLOURS = ("#9ecae1", "#4292c6", "#08306b")  # later is darker
 CONTOURS = 8
+COLUMNS = ("entry", "seed", "quantity", "epoch", "s", "a", "value")
 DEFINITION = (
     f"Below, the critic of each learner's first seed; an epoch is {MEASURE_EVERY} timesteps, black "
     "the policy's action. Off by: root mean square of Q - Q* and of their slopes in s, from s = "
@@ -76,6 +78,32 @@ def draw(title: str, rows: Sequence[Comparison], form: Form, checkpoints: Place)
     [returns] = rows
     learners = [_learner(one, checkpoints) for panel in returns.panels for one in panel.curves]
     return picture(lambda: _figure(title, returns, learners), form)
+
+
+def numbers(rows: Sequence[Comparison], checkpoints: Place) -> str:
+    """Return the values Q(s, a) and the policies' actions as CSV; Q* has no epoch.
+
+    Raises as `draw`.
+    """
+    [returns] = rows
+    learners = [_learner(one, checkpoints) for panel in returns.panels for one in panel.curves]
+    return as_csv(COLUMNS, (line for learner in learners for line in _lines(learner)))
+
+
+def _lines(learner: LearnedCritics) -> Iterator[Sequence[object]]:
+    told = (learner.label, learner.seed)
+    yield from _of_surface((*told, "Q*", ""), learner.truth)
+    for epoch, surface in learner.critics:
+        if surface is not None:
+            yield from _of_surface((*told, "Q", epoch), surface.value)
+            for s, a in zip(POSITIONS, surface.policy, strict=True):
+                yield *told, "policy", epoch, number_text(s), "", number_text(a)
+
+
+def _of_surface(told: Sequence[object], values: FloatArray) -> Iterator[Sequence[object]]:
+    for s, row in zip(POSITIONS, values, strict=True):
+        for a, value in zip(ACTIONS, row, strict=True):
+            yield *told, number_text(s), number_text(a), number_text(value)
 
 
 def _learner(one: LabelledCurve, checkpoints: Place) -> LearnedCritics:

@@ -5,7 +5,7 @@ start: the first ones that the task draws, so that none is picked for what it sh
 """
 
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -19,6 +19,7 @@ from physics.drawing import box
 from physics.environment import Environment, FloatArray
 from physics.tasks.rolling_die import DT, TARGET_X, TARGET_Y
 from service.analysis.comparison import Comparison, LabelledCurve
+from service.analysis.figures.figure_data import as_csv, number_text
 from service.analysis.figures.figure_form import Form
 from service.analysis.figures.picture import picture, printable
 from service.model.run import RunStatus
@@ -34,6 +35,7 @@ ROW_INCHES = 2.2
 CAPTION_INCHES = 0.9
 CAPTION_CHARACTERS = 195
 SIDE = 1.0  # m
+COLUMNS = ("entry", "seed", "start", "step", "x", "y", "theta", "bounce_begins")
 RED, LIGHT_RED, CYAN, BLUE = "#b2182b", "#f4a58288", "#00a6c8", "#2166ac"
 
 
@@ -65,6 +67,21 @@ def draw(title: str, rows: Sequence[Comparison], form: Form, checkpoints: Place)
     [histories] = rows
     learners = [_best(one, checkpoints) for panel in histories.panels for one in panel.curves]
     return picture(lambda: _figure(title, learners), form)
+
+
+def numbers(rows: Sequence[Comparison], checkpoints: Place) -> str:
+    """Return the way of the die as CSV, a line a step. Raises as `draw`."""
+    [histories] = rows
+    learners = [_best(one, checkpoints) for panel in histories.panels for one in panel.curves]
+    return as_csv(COLUMNS, (line for learner in learners for line in _lines(learner)))
+
+
+def _lines(learner: LearnedThrows) -> Iterator[Sequence[object]]:
+    for start, (episode, begun) in zip(STARTS, learner.thrown, strict=False):
+        hit = {tuple(state) for state in begun.tolist()}
+        for step, state in enumerate(episode.states.tolist()):
+            x, y, theta = map(number_text, state[:3])
+            yield learner.label, learner.seed, start, step, x, y, theta, tuple(state) in hit
 
 
 def bounces(touching: Sequence[int]) -> list[int]:

@@ -2,7 +2,7 @@
 
 import csv
 import io
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -14,21 +14,29 @@ COLUMNS = ("metric", "environment", "entry", "name", "x", "mean", "low", "high",
 
 def figure_data(rows: Sequence[Comparison], design: Design) -> str:
     """Return the data of a figure; empty where a number is not defined."""
+    return as_csv(COLUMNS, (line for row in rows for line in _lines(row, design)))
+
+
+def _lines(row: Comparison, design: Design) -> Iterator[Sequence[object]]:
+    for panel in design.chosen(row).panels:
+        for one in panel.curves:
+            told = (row.view.metric, panel.environment, one.label, design.name(one.label))
+            curve = one.curve
+            for *numbers, n in zip(
+                curve.x, curve.mean, curve.low, curve.high, curve.n, strict=True
+            ):
+                yield *told, *map(number_text, numbers), n
+
+
+def as_csv(columns: Sequence[str], lines: Iterable[Sequence[object]]) -> str:
+    """Return a table as CSV."""
     file = io.StringIO()
     writer = csv.writer(file)
-    writer.writerow(COLUMNS)
-    for row in rows:
-        chosen = design.chosen(row)
-        for panel in chosen.panels:
-            for one in panel.curves:
-                told = (row.view.metric, panel.environment, one.label, design.name(one.label))
-                curve = one.curve
-                for *numbers, n in zip(
-                    curve.x, curve.mean, curve.low, curve.high, curve.n, strict=True
-                ):
-                    writer.writerow([*told, *map(_text, numbers), n])
+    writer.writerow(columns)
+    writer.writerows(lines)
     return file.getvalue()
 
 
-def _text(number: float) -> str:
+def number_text(number: float) -> str:
+    """Return a number with all its digits; empty where it is not finite."""
     return repr(float(number)) if np.isfinite(number) else ""

@@ -21,6 +21,11 @@ def draw(title: str, rows: Sequence[Comparison], form: Form) -> bytes:
     return plot.draw(f"{title}, as far as {BASELINE} goes", cut, form)
 
 
+def numbers(rows: Sequence[Comparison]) -> str:
+    """Return what the curves go through, as CSV."""
+    return plot.numbers([as_far_as_baseline(row) for row in rows])
+
+
 def as_far_as_baseline(comparison: Comparison) -> Comparison:
     """Leave out, in each panel that has the baseline, what lies beyond its last point."""
     return replace(comparison, panels=tuple(_cut(panel) for panel in comparison.panels))

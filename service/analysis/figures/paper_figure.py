@@ -19,8 +19,9 @@ class PaperFigure:
     environment    in which task; empty: in each, a column a task
     metrics        of the curves that it is made from
     normalized     whether those are
-    draw           "module:function", given a title, a comparison per metric and a form
-    shows_policies whether `draw` is given the folder of the checkpoints too
+    module         has `draw`, given a title, a comparison per metric and a form, and `numbers`,
+                   given those comparisons
+    shows_policies whether both are given the folder of the checkpoints too
     max_curves     more are refused
     """
 
@@ -29,7 +30,7 @@ class PaperFigure:
     environment: str = ""
     metrics: tuple[str, ...] = RETURNS
     normalized: bool = True
-    draw: str = "service.analysis.figures.plot:draw"
+    module: str = "service.analysis.figures.plot"
     shows_policies: bool = False
     max_curves: int = MAX_CURVES
 
@@ -45,7 +46,7 @@ PAPER: Mapping[FigureNumber, PaperFigure] = {
         ("hybrid-ddpg", "ddpg"),
         environment="MassPoint",
         metrics=("return_mean",),
-        draw="service.analysis.figures.critic_figure:draw",
+        module="service.analysis.figures.critic_figure",
         shows_policies=True,
         max_curves=MAX_LEARNERS,
     ),
@@ -55,14 +56,14 @@ PAPER: Mapping[FigureNumber, PaperFigure] = {
         environment="RollingDie",
         metrics=("return_history",),
         normalized=False,
-        draw="service.analysis.figures.die_figure:draw",
+        module="service.analysis.figures.die_figure",
         shows_policies=True,
         max_curves=MAX_LEARNERS,
     ),
     "4": PaperFigure(
         "the hybrids and what they are measured by",
         ("hybrid-ddpg", "hybrid-ddpg-robust", "ddpg", "mpc", "gd"),
-        draw="service.analysis.figures.learning_figure:draw",
+        module="service.analysis.figures.learning_figure",
     ),
     "5": PaperFigure("the cosine loss", ("hybrid-ddpg-cosine", "ddpg")),
     "6": PaperFigure("soft actor-critic", ("hybrid-sac", "sac")),

@@ -29,6 +29,7 @@ from service.analysis.comparison import (
 )
 from service.analysis.curves import Floats
 from service.analysis.figures.design import Design
+from service.analysis.figures.figure_data import figure_data
 from service.analysis.figures.figure_form import Form
 from service.analysis.figures.palette import colour, dash, shades
 from service.analysis.figures.picture import picture, printable
@@ -64,6 +65,11 @@ def draw(title: str, rows: Sequence[Comparison], form: Form, design: Design | No
     """Return the figure as a file's bytes: a row per comparison, all of one sweep."""
     design = design or Design()
     return picture(lambda: _figure(title, rows, design), form, design.settings)
+
+
+def numbers(rows: Sequence[Comparison]) -> str:
+    """Return what the curves go through, as CSV."""
+    return figure_data(rows, Design())
 
 
 def caption(rows: Sequence[Comparison], design: Design | None = None) -> str:

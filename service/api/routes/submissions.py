@@ -1,14 +1,21 @@
 """Submitting a sweep, or only asking what that would be."""
 
 from http import HTTPStatus
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Query, Response
 from fastapi.responses import JSONResponse
 
 from service.analysis.cost import cell_costs
 from service.api.access.authority import MAY_SUBMIT
-from service.api.context import TheCaller, TheStore, TheWebhookHosts, TheWorkerMemory, TheWorkforce
+from service.api.context import (
+    TheCaller,
+    TheStore,
+    TheWebhookHosts,
+    TheWorkerMemory,
+    TheWorkforce,
+    Workforce,
+)
 from service.api.place import here
 from service.api.refusals.problems import Fault, InvalidRequest
 from service.api.schemas.requests.sweep_request import SweepRequest
@@ -16,12 +23,20 @@ from service.api.schemas.sweep_answer import DryRunAnswer, SweepAnswer
 from service.api.submission.plan import plan
 from service.api.submission.route import SubmissionRoute
 from service.api.submission.webhook import refuse_webhook
+from service.model.request.plan import Plan
 from service.store.refusal import SubmissionKeyReusedError
+from service.store.store import Store
 
 router = APIRouter(
     prefix="/sweeps", tags=["sweeps"], route_class=SubmissionRoute, dependencies=[MAY_SUBMIT]
 )
 
+DryRun = Annotated[
+    bool, Query(description="Only say what would be queued, and about what it would cost.")
+]
+DRY_RUN: dict[int | str, dict[str, Any]] = {
+    200: {"model": DryRunAnswer, "description": "With `dry_run=true`."}
+}
 SubmissionKey = Annotated[
     str | None,
     Header(
@@ -37,7 +52,7 @@ SubmissionKey = Annotated[
     "",
     status_code=HTTPStatus.ACCEPTED,
     response_model=SweepAnswer,
-    responses={200: {"model": DryRunAnswer, "description": "With `dry_run=true`."}},
+    responses=DRY_RUN,
 )
 def submit_sweep(
     request: SweepRequest,
@@ -47,9 +62,7 @@ def submit_sweep(
     workforce: TheWorkforce,
     worker_memory: TheWorkerMemory,
     webhook_hosts: TheWebhookHosts,
-    dry_run: Annotated[
-        bool, Query(description="Only say what would be queued, and about what it would cost.")
-    ] = False,
+    dry_run: DryRun = False,
     idempotency_key: SubmissionKey = None,
 ) -> SweepAnswer | JSONResponse:
     """Queue a sweep: all of its runs in one transaction, or none.
@@ -60,10 +73,7 @@ def submit_sweep(
     refuse_webhook(request.webhook, webhook_hosts)
     planned = plan(request, worker_memory)
     if dry_run:
-        past = store.past_costs(planned.algorithms, planned.environment_versions)
-        costs = cell_costs(planned.costed, len(planned.seeds), past)
-        answer = DryRunAnswer.of(planned, costs, len(workforce.workers))
-        return JSONResponse(answer.model_dump(mode="json"))
+        return estimate(planned, store, workforce)
     try:
         sweep = store.create_sweep(
             request.name,
@@ -84,3 +94,11 @@ def submit_sweep(
         raise InvalidRequest([Fault("Idempotency-Key", str(refusal))]) from refusal
     response.headers["Location"] = here(f"/api/v1/sweeps/{sweep.id}")
     return SweepAnswer.of(sweep, planned.notices)
+
+
+def estimate(planned: Plan, store: Store, workforce: Workforce) -> JSONResponse:
+    """Answer what a plan would queue, and about what it would cost."""
+    past = store.past_costs(planned.algorithms, planned.environment_versions)
+    costs = cell_costs(planned.costed, len(planned.seeds), past)
+    answer = DryRunAnswer.of(planned, costs, len(workforce.workers))
+    return JSONResponse(answer.model_dump(mode="json"))

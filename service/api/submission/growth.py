@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from algorithms import catalogue
 from service.api.refusals.problems import Fault, ImpossibleMove, InvalidRequest
+from service.api.schemas.requests.growth import GrowthRequest
 from service.api.schemas.requests.sweep_request import MAX_RUNS, SweepRequest
 from service.api.submission.memory import memory_faults
 from service.api.submission.plan import plan
@@ -14,6 +15,45 @@ from service.model.request.growth import seeds_of, with_algorithms
 from service.model.request.plan import Plan
 from service.model.sweep import Sweep
 from service.store.claiming.growth import Cell
+
+
+def growth_plan(
+    sweep: Sweep, cells: Sequence[Cell], request: GrowthRequest, worker_memory: int
+) -> Plan:
+    """Return what an addition trains; of an extension, the timesteps that are added.
+
+    Raises InvalidRequest, ImpossibleMove.
+    """
+    if request.seeds is not None:
+        check_seeds(sweep, cells, request.seeds)
+        return _plan_of(sweep, cells, request.seeds)
+    if request.timesteps is not None:
+        check_timesteps(sweep, cells, request.timesteps, worker_memory)
+        more = [_lengthened(cell, request.timesteps) for cell in cells]
+        return _plan_of(sweep, more, seeds_of(sweep.request))
+    return plan_entries(sweep, posted_algorithms(request), worker_memory)
+
+
+def posted_algorithms(request: GrowthRequest) -> list[Json]:
+    """Return the algorithms of an addition as they were posted."""
+    posted: list[Json] = request.model_dump(mode="json", exclude_unset=True)["algorithms"]
+    return posted
+
+
+def _plan_of(sweep: Sweep, cells: Sequence[Cell], seeds: Sequence[int]) -> Plan:
+    entries = Entries(sweep.request).all
+    return Plan(
+        cells=tuple(replace(cell.spec, seed=seeds[0]) for cell in cells),
+        entries=tuple(entries[cell.entry] for cell in cells),
+        seeds=seeds,
+        notices=(),
+    )
+
+
+def _lengthened(cell: Cell, timesteps: int) -> Cell:
+    """The cell with those timesteps alone that it lacks."""
+    spec = replace(cell.spec, timesteps=timesteps - cell.spec.timesteps)
+    return cell._replace(spec=spec)
 
 
 def check_seeds(sweep: Sweep, cells: Sequence[Cell], seeds: Sequence[int]) -> None:

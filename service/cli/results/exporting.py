@@ -151,7 +151,7 @@ def plot(
     raw: Annotated[bool, typer.Option("--raw", help="Raw returns, not normalised.")] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Save the curves of a sweep, or one of the paper's figures of it, as a file."""
+    """Save the curves of a sweep, or one of the paper's figures of it, and its numbers as CSV."""
     form = form_of(output)
     if figure is not None and raw:
         raise typer.BadParameter("the scale of the paper's figures is given", param_hint="--raw")
@@ -161,5 +161,13 @@ def plot(
             if figure is None
             else client.figure(sweep_id, form, figure)
         )
+        numbers = (
+            client.figure_data(sweep_id, normalized=not raw)
+            if figure is None
+            else client.figure_data(sweep_id, figure)
+        )
+    data = output.with_suffix(".csv")
     output.write_bytes(picture)
-    say(json.dumps({"file": str(output)}) if as_json else f"Wrote {output}")
+    data.write_text(numbers, encoding="utf-8", newline="")
+    files = {"file": str(output), "data": str(data)}
+    say(json.dumps(files) if as_json else f"Wrote {output} and {data}")

@@ -87,6 +87,16 @@ def add_entries(
     return _grown(connection, row, request, "added")
 
 
+def refuse(
+    connection: Connection, sweep_id: str, seen: Json, version: Version, *, is_longer: bool
+) -> None:
+    """Raise what growing the sweep would: NotFoundError, ImpossibleMoveError."""
+    _open(connection, sweep_id, seen)
+    if is_longer:
+        _refuse_training(get(connection, sweep_id))
+    _refuse_other_versions(cells(connection, sweep_id), version)
+
+
 def extend(
     connection: Connection, sweep_id: str, seen: Json, timesteps: int, version: Version
 ) -> Sweep:
@@ -96,11 +106,7 @@ def extend(
     """
     row = _open(connection, sweep_id, seen)
     sweep = get(connection, sweep_id)
-    if sweep.runs.running:
-        raise ImpossibleMoveError(
-            f"{sweep.runs.running} runs of sweep {sweep_id} are in training: extend it when they "
-            "have ended"
-        )
+    _refuse_training(sweep)
     own = cells(connection, sweep_id)
     _refuse_other_versions(own, version)
     if all(cell.spec.timesteps == timesteps for cell in own):
@@ -139,6 +145,14 @@ def _open(connection: Connection, sweep_id: str, seen: Json) -> Row[Any]:
     if row.request != seen:
         raise ImpossibleMoveError(f"sweep {sweep_id} was changed meanwhile: look again")
     return row
+
+
+def _refuse_training(sweep: Sweep) -> None:
+    if sweep.runs.running:
+        raise ImpossibleMoveError(
+            f"{sweep.runs.running} runs of sweep {sweep.id} are in training: extend it when they "
+            "have ended"
+        )
 
 
 def _refuse_other_versions(own: Sequence[Cell], version: Version) -> None:

@@ -28,6 +28,12 @@ def test_what_are_no_seeds(text: str) -> None:
 def test_a_sweep_grows(d3pg: Command, service: Client, store: Store) -> None:
     sweep_id = service.submit(SWEEP).id
     train(store, 5, rising)
+    dry = d3pg("add", sweep_id, "--seeds", "3-4", "--dry-run").stdout
+    assert "8 runs, 32,000 timesteps; nothing was queued." in dry
+    dry = as_json(d3pg("add", sweep_id, "-a", "sac:rate=1e-4,1e-3", "--dry-run", "--json"))
+    assert dry["runs"]["total"] == 12
+    dry = as_json(d3pg("extend", sweep_id, "--timesteps", "8000", "--dry-run", "--json"))
+    assert dry["timesteps"] == 12 * 4000
     said = d3pg("add", sweep_id, "--seeds", "3-4").stdout
     assert said == f"{sweep_id}: running (8 queued, 12 succeeded)\n"
     grown = as_json(d3pg("add", sweep_id, "-a", "sac:rate=1e-4,1e-3", "--json"))

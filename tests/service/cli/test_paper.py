@@ -80,6 +80,9 @@ def test_an_evaluation_is_taken_up_and_written(
     assert [float(row["return_history"]) for row in kept] == histories
     assert {row["compile_seconds"] for row in kept} == {"0.25"}
     assert (tmp_path / "figure-4.png").read_bytes().startswith(b"\x89PNG")
+    assert {row["metric"] for row in rows_of(tmp_path / "figure-4.csv")} == {
+        "return_mean", "return_history"
+    }  # fmt: skip
     assert "hybrid" in (tmp_path / "table-1.md").read_text()
 
     gains = {

@@ -9,7 +9,7 @@ import { here } from "../texts/place.js";
 /**
  * @import { Question } from "../curves/question.js"
  *
- * @typedef {Pick<Api.Entry, "label" | "algorithm">} Entry
+ * @typedef {import("../parts/identity.js").Entry} Entry
  *
  * @typedef {object} Compared
  * @property {string} id
@@ -95,6 +95,14 @@ function weightsText(weights) {
 }
 
 /**
+ * @param {Compared} compared
+ * @returns {boolean}
+ */
+export function isSweep({ page }) {
+  return page.startsWith("/sweeps/");
+}
+
+/**
  * The panels of all of them, environment by environment; a label says whose curve it is.
  *
  * @param {Compared[]} compared
@@ -124,7 +132,8 @@ export function overlaidEntries(compared) {
 }
 
 /**
- * Under a label that says whose it is: equal ones of two sweeps are told apart by their names.
+ * Under a label that says whose it is, as the service has it (service/model/compared.py): equal
+ * ones of two sweeps are told apart by their names, and sweeps of equal names by their ids.
  *
  * @template {{ label: string }} T
  * @param {T} thing
@@ -132,7 +141,7 @@ export function overlaidEntries(compared) {
  * @param {Compared[]} compared
  * @returns {T}
  */
-export function labelled(thing, { id, name }, compared) {
+function labelled(thing, { id, name }, compared) {
   const isUnique = compared.filter((other) => other.name === name).length === 1;
   return { ...thing, label: `${thing.label} · ${isUnique ? name : `${name} (${id})`}` };
 }

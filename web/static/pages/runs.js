@@ -9,6 +9,7 @@ import { varied } from "../parts/identity.js";
 import { flag, list, oneOf, text, View } from "../parts/view.js";
 import { RunList } from "../run/list.js";
 import { Picked } from "../run/picked.js";
+import { Growth } from "../submit/growth.js";
 import { SweepHead } from "../sweep/head.js";
 import { count } from "../texts/format.js";
 
@@ -51,6 +52,7 @@ const refreshSweep = new Refresh(loadSweep, { interval: 1000, onError });
 const refreshRuns = new Refresh(loadRuns, { interval: 2000, onError });
 const picked = new Picked(view, () => refreshRuns.hurry());
 const head = new SweepHead(id, " · runs", () => refreshSweep.hurry(), hideRuns);
+const growth = new Growth(id, () => refreshSweep.hurry());
 
 /** @type {Api.ListedRun[]} */
 let listed = [];
@@ -85,6 +87,7 @@ pickAll.addEventListener("change", () => {
 async function loadSweep(signal) {
   await head.load(signal);
   if (head.sweep === null) return;
+  growth.show(head.sweep);
   /** @type {Api.Request} */
   const { algorithms, environments } = head.sweep.request;
   offer("algorithm", algorithms?.map(({ name }) => name) ?? []);

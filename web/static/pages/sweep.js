@@ -19,6 +19,7 @@ import { FigureBuilder } from "../sweep/figure_builder.js";
 import { FIGURE_FIELDS } from "../sweep/figure_query.js";
 import { SweepHead } from "../sweep/head.js";
 import { PaperFigures } from "../sweep/paper_figures.js";
+import { Growth } from "../submit/growth.js";
 import { ScoreTable } from "../sweep/scores.js";
 import { MAP_FIELDS, SettingsMaps } from "../sweep/settings_maps.js";
 import { Statistics } from "../sweep/statistics.js";
@@ -39,7 +40,7 @@ new Controls(at("controls", HTMLFormElement), view);
 new Controls(at("score-controls", HTMLFormElement), view);
 const metrics = new MetricChoice(at("controls", HTMLFormElement), view);
 const curves = new CurvesSection(view);
-const builder = new FigureBuilder(id, view);
+const builder = new FigureBuilder(() => id, view);
 
 /** @type {Api.Curves | null} */
 let comparison = null; // the latest curves, and the question that they answer
@@ -55,18 +56,19 @@ const refreshStatistics = new Refresh((signal) => statistics.load(signal), {
   onError,
 });
 const head = new SweepHead(id, "", () => refreshSweep.hurry(), hideAll);
+const growth = new Growth(id, () => refreshSweep.hurry());
 const figures = new PaperFigures(view);
 const notice = new DoneNotice(id);
 const entries = () => head.sweep?.entries ?? [];
 const maps = new SettingsMaps(view, entries);
 const scores = new ScoreTable(
-  id,
+  () => id,
   view,
   entries,
   () => refreshScores.hurry(),
   (answer) => maps.show(answer),
 );
-const statistics = new Statistics(id, view, entries, () => refreshStatistics.hurry());
+const statistics = new Statistics(() => id, view, entries, () => refreshStatistics.hurry());
 const verdict = new Verdict(id, entries);
 const refreshVerdict = new Refresh((signal) => verdict.load(signal), { interval: 5000, onError });
 const search = new Search(id, entries);
@@ -101,7 +103,10 @@ at("copy-link").addEventListener("click", copyLink);
 async function loadSweep(signal) {
   const isFirst = head.sweep === null;
   await head.load(signal);
-  if (head.sweep !== null) notice.offer(head.sweep);
+  if (head.sweep !== null) {
+    notice.offer(head.sweep);
+    growth.show(head.sweep);
+  }
   if (!isFirst || head.sweep === null) return;
   // Entries of a search differ in length, and the best was chosen: nothing follows from a test.
   at("statistics").hidden = Boolean(head.sweep.request.search);

@@ -32,7 +32,7 @@ export class FigureBuilder {
   #timer;
 
   /**
-   * @param {string} id
+   * @param {() => string} id of the sweep, or of several that are joined
    * @param {View<Fields>} view
    */
   constructor(id, view) {
@@ -67,8 +67,9 @@ export class FigureBuilder {
     for (const form of FORMS) {
       const link = at(`download-${form === "csv" ? "data" : form}`, HTMLAnchorElement);
       link.href = this.#address(form);
-      link.download = `sweep-${this.#id}.${form}`;
+      link.download = `sweep-${this.#id()}.${form}`;
     }
+    at("download-report", HTMLAnchorElement).href = address(`/sweeps/${this.#id()}/report`);
     const known = identities(entries);
     const [names, colours] = [pairs(this.#view.get("name")), pairs(this.#view.get("colour"))];
     this.#showEntries(
@@ -94,7 +95,7 @@ export class FigureBuilder {
    * @returns {string}
    */
   #address(form) {
-    return address(`/sweeps/${this.#id}/plot.${form}`, figureQuery(this.#view, this.#panels, this.#xMax));
+    return address(`/sweeps/${this.#id()}/plot.${form}`, figureQuery(this.#view, this.#panels, this.#xMax));
   }
 
   #draw() {
@@ -113,7 +114,7 @@ export class FigureBuilder {
   async #tellFault() {
     try {
       const query = figureQuery(this.#view, this.#panels, this.#xMax);
-      await get(`/sweeps/${this.#id}/plot.csv`, query);
+      await get(`/sweeps/${this.#id()}/plot.csv`, query);
     } catch (error) {
       setText(at("figure-state"), refusalOf(error).message);
     }

@@ -1,7 +1,7 @@
 /** The paper's figures of a sweep, as the service draws them; drawn once they are looked at. */
 import { at, element } from "../parts/element.js";
 
-const FORMS = ["png", "svg", "pdf"];
+const FORMS = ["png", "svg", "pdf", "csv"];
 
 /** @import { Field, View } from "../parts/view.js" */
 

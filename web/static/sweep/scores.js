@@ -8,7 +8,7 @@ import { statusTexts } from "../texts/sweep.js";
 const ENDINGS = { csv: "csv", latex: "tex", markdown: "md" };
 
 /**
- * @import { Identities } from "../parts/identity.js"
+ * @import { Entry, Identities } from "../parts/identity.js"
  * @import { Field, View } from "../parts/view.js"
  *
  * @typedef {object} Fields
@@ -29,9 +29,9 @@ export class ScoreTable {
   #answer = null;
 
   /**
-   * @param {string} id
+   * @param {() => string} id of the sweep, or of several that are joined
    * @param {View<Fields>} view
-   * @param {() => Api.Entry[]} entries those of the sweep
+   * @param {() => Entry[]} entries those of them
    * @param {() => void} refetch asks for `load` to be called, for another scale or score
    * @param {(answer: Api.ScoreTable) => void} onAnswer
    */
@@ -49,12 +49,14 @@ export class ScoreTable {
 
   /** @param {AbortSignal} signal */
   async load(signal) {
-    const asked = this.#question();
-    this.#answer = await get(`/sweeps/${this.#id}/table`, asked, signal);
+    const [id, asked] = [this.#id(), this.#question()];
+    const answer = await get(`/sweeps/${id}/table`, asked, signal);
+    if (id !== this.#id()) return; // others are compared by now
+    this.#answer = answer;
     for (const [format, ending] of Object.entries(ENDINGS)) {
       const link = at(`table-${format}`, HTMLAnchorElement);
-      link.href = address(`/sweeps/${this.#id}/table`, { ...asked, format });
-      link.download = `sweep-${this.#id}-table.${ending}`;
+      link.href = address(`/sweeps/${id}/table`, { ...asked, format });
+      link.download = `sweep-${id}-table.${ending}`;
     }
     this.#draw();
     this.#onAnswer(this.#answer);
@@ -68,7 +70,7 @@ export class ScoreTable {
   }
 
   #draw() {
-    if (this.#answer === null) return;
+    if (this.#answer?.sweep !== this.#id()) return;
     const { environments, rows, definition, decimals } = this.#answer;
     const known = identities(this.#entries());
     const sorted = this.#sorted(rows, environments);
@@ -145,7 +147,7 @@ function after([isWhole, mean], [isOtherWhole, other]) {
  * @param {Identities} known
  * @returns {HTMLElement}
  */
-export function bodyRow({ label, entries }, decimals, known) {
+function bodyRow({ label, entries }, decimals, known) {
   const name = element("th", { scope: "row" }, swatch(identityOf(known, label)), label);
   return element("tr", {}, name, ...entries.map((entry) => valueCell(entry, decimals)));
 }

@@ -11,7 +11,7 @@ import { interval, scaleOf } from "./interval.js";
 import { against, differenceMatrix, improvementMatrix, labelsOf } from "./pairs.js";
 
 /**
- * @import { Identities } from "../parts/identity.js"
+ * @import { Entry, Identities } from "../parts/identity.js"
  * @import { Curve } from "../charts/layers.js"
  * @import { Field, View } from "../parts/view.js"
  * @import { Estimate } from "./interval.js"
@@ -38,9 +38,9 @@ export class Statistics {
   #profiles = null;
 
   /**
-   * @param {string} id
+   * @param {() => string} id of the sweep, or of several that are joined
    * @param {View<Fields>} view
-   * @param {() => Api.Entry[]} entries those of the sweep
+   * @param {() => Entry[]} entries those of them
    * @param {() => void} refetch asks for `load` to be called
    */
   constructor(id, view, entries, refetch) {
@@ -66,7 +66,7 @@ export class Statistics {
     try {
       const reference = this.#view.get("reference");
       const question = { score: this.#view.get("score"), reference };
-      this.#answer = await get(`/sweeps/${this.#id}/statistics`, question, signal);
+      this.#answer = await get(`/sweeps/${this.#id()}/statistics`, question, signal);
     } catch (error) {
       setText(at("statistics-state"), refusalOf(error, 422).message);
       return;
@@ -75,8 +75,8 @@ export class Statistics {
   }
 
   #draw() {
-    if (this.#answer === null) return;
     const answer = this.#answer;
+    if (answer?.sweep !== this.#id()) return;
     setText(at("statistics-state"), commonTasks(answer));
     const known = identities(this.#entries());
     const profiles = (this.#profiles ??= new ChartFigure(

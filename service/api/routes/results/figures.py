@@ -12,7 +12,7 @@ from fastapi import APIRouter, Query, Response
 from service.analysis.comparison import Comparison
 from service.analysis.figures.figure_data import figure_data
 from service.analysis.figures.figure_form import MEDIA_TYPES, Form
-from service.analysis.figures.paper_figure import MAX_CURVES, PAPER, FigureNumber
+from service.analysis.figures.paper_figure import MAX_CURVES, PAPER, FigureNumber, PaperFigure
 from service.api.access.authority import MAY_READ
 from service.api.context import TheCheckpoints, TheCompared, TheSide, TheStore, TheSweep
 from service.api.refusals.problems import (
@@ -27,6 +27,7 @@ from service.api.routes.results.curves import BandQuery, compared
 from service.api.schemas.figure_query import FigureQuery
 from service.api.side_process import BusyError, Side, TooSlowError
 from service.model.compared import Compared
+from service.model.sweep import Sweep
 from service.store.store import Store
 from workers.checkpoints.folder import UnavailableError
 from workers.checkpoints.sealed_file import DamagedError
@@ -98,6 +99,26 @@ def _asked_rows(store: Store, sweep: Compared, query: FigureQuery) -> list[Compa
     return rows
 
 
+@router.get("/figures/{number}.csv", response_class=Response, responses=DATA)
+def get_figure_data(
+    sweep: TheSweep,
+    number: FigureNumber,
+    store: TheStore,
+    checkpoints: TheCheckpoints,
+    side: TheSide,
+) -> Response:
+    """Answer the numbers that `figures/{number}.{form}` draws.
+
+    2 has the critics' values over states and actions, 3 the way of the die, the others their
+    curves.
+    """
+    figure, rows = _paper_rows(store, sweep, number)
+    policies = [checkpoints] if figure.shows_policies else []
+    data: str = _worked_out(side, f"{figure.module}:numbers", rows, *policies)
+    headers = {"Content-Disposition": f'attachment; filename="{sweep.id}-figure-{number}.csv"'}
+    return Response(data, media_type="text/csv", headers=headers)
+
+
 @router.get("/figures/{number}.{form}", response_class=Response, responses=ANSWERS)
 def get_figure(
     sweep: TheSweep,
@@ -114,6 +135,17 @@ def get_figure(
     goes, 5 the cosine loss beside `ddpg`, 6 SAC and its hybrid: return_mean above return_history, a
     column a task, mean and standard deviation.
     """
+    figure, rows = _paper_rows(store, sweep, number)
+    title = f"Figure {number}, {figure.title}: {sweep.name} ({sweep.id})"
+    policies = [checkpoints] if figure.shows_policies else []
+    picture = drawn(side, f"{figure.module}:draw", title, rows, form, *policies)
+    return Response(picture, media_type=MEDIA_TYPES[form])
+
+
+def _paper_rows(
+    store: Store, sweep: Sweep, number: FigureNumber
+) -> tuple[PaperFigure, list[Comparison]]:
+    """Return a figure and its comparisons. Raises NotFound, InvalidRequest for too many curves."""
     figure = PAPER[number]
     views = [BandQuery(normalized=figure.normalized).view(metric) for metric in figure.metrics]
     rows = [
@@ -131,10 +163,7 @@ def get_figure(
             "run of them."
         )
     refuse_more_curves(rows, figure.max_curves)
-    title = f"Figure {number}, {figure.title}: {sweep.name} ({sweep.id})"
-    policies = [checkpoints] if figure.shows_policies else []
-    picture = drawn(side, figure.draw, title, rows, form, *policies)
-    return Response(picture, media_type=MEDIA_TYPES[form])
+    return figure, rows
 
 
 def refuse_more_curves(rows: Sequence[Comparison], most: int) -> None:
@@ -150,12 +179,16 @@ def drawn(
     side: Side, draw: str, title: str, rows: Sequence[Comparison], form: Form, *more: object
 ) -> bytes:
     """Return a picture. Raises ImpossibleMove for damaged files, ServiceBusy."""
+    picture: bytes = _worked_out(side, draw, title, rows, form, *more)
+    return picture
+
+
+def _worked_out(side: Side, function: str, *arguments: object) -> Any:
     try:
-        picture: bytes = side.call(draw, title, rows, form, *more)
+        return side.call(function, *arguments)
     except UnavailableError as trouble:
         raise ServiceBusy(f"What runs learned cannot be read now: {trouble.strerror}.") from trouble
     except DamagedError as damage:
         raise ImpossibleMove(f"What a run has learned cannot be read: {damage}.") from damage
     except (BusyError, TooSlowError, EOFError) as error:
         raise ServiceBusy(f"The figure could not be drawn: {error}.") from error
-    return picture

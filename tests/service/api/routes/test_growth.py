@@ -144,3 +144,48 @@ def test_a_limit_of_workers_is_posted_and_changed(client: TestClient, store: Sto
     for wrong in (0, 4097, "1", 1.5):
         answer = client.patch(link, json={"max_workers": wrong})
         assert answer.json()["errors"][0]["field"] == "max_workers"
+
+
+@pytest.mark.parametrize(
+    ("added", "product", "timesteps"),
+    [
+        ({"seeds": [3, 9]}, "2 x 2 x 2 seeds = 8 runs", 8 * 4000),
+        ({"algorithms": [{"name": "sac"}]}, "1 x 2 x 3 seeds = 6 runs", 6 * 4000),
+        ({"timesteps": 10_000}, "2 x 2 x 3 seeds = 12 runs", 12 * 6000),
+    ],
+)
+def test_an_addition_is_told_before_it_is_made(
+    client: TestClient, store: Store, added: Json, product: str, timesteps: int
+) -> None:
+    link = submitted(client)
+    train(store, 5, rising)
+    before = client.get(link).json()
+    answer = client.post(f"{link}/runs", params={"dry_run": True}, json=added)
+    assert answer.status_code == 200
+    told = answer.json()
+    assert told["product"].split(", about")[0] == product
+    assert told["timesteps"] == timesteps
+    assert told["estimate"]["core_seconds"] > 0
+    assert client.get(link).json() == before
+    grown = client.post(f"{link}/runs", json=added).json()
+    assert grown["runs"]["queued"] == told["runs"]["queued"]
+
+
+def test_a_dry_run_is_refused_as_the_addition_is(client: TestClient, store: Store) -> None:
+    link = submitted(client)
+    assert store.claim_cohort("worker", 60.0) is not None
+    cancelled = submitted(client)
+    client.post(f"{cancelled}/cancel")
+    for sweep, added, reason in (
+        (link, {"timesteps": 8000}, "are in training"),
+        (cancelled, {"seeds": [3]}, "was cancelled"),
+    ):
+        asked = [
+            client.post(f"{sweep}/runs", params={"dry_run": is_dry}, json=added)
+            for is_dry in (True, False)
+        ]
+        assert [answer.status_code for answer in asked] == [409, 409]
+        assert [reason in answer.json()["detail"] for answer in asked] == [True, True]
+    assert set(refused(client, link, {"seeds": [0]})) == {"seeds[0]"}
+    dry = client.post(f"{link}/runs", params={"dry_run": True}, json={"seeds": [0]})
+    assert dry.status_code == 422

@@ -114,7 +114,9 @@ def test_a_figure_is_saved(
     d3pg: Command, trained: str, tmp_path: Path, form: str, start: bytes
 ) -> None:
     file = tmp_path / f"figure.{form}"
-    assert d3pg("plot", trained, "-o", str(file)).stdout == f"Wrote {file}\n"
+    assert (
+        d3pg("plot", trained, "-o", str(file)).stdout == f"Wrote {file} and {tmp_path}/figure.csv\n"
+    )
     assert file.read_bytes().startswith(start)
 
 
@@ -122,6 +124,8 @@ def test_a_figure_of_the_paper_is_saved(d3pg: Command, trained: str, tmp_path: P
     file = tmp_path / "four.svg"
     d3pg("plot", trained, "-o", str(file), "--figure", "4")
     assert b"Figure 4" in file.read_bytes()
+    rows = list(csv.DictReader(io.StringIO((tmp_path / "four.csv").read_text(encoding="utf-8"))))
+    assert {row["metric"] for row in rows} == {"return_mean", "return_history"}
     assert (
         "is given"
         in d3pg("plot", trained, "-o", str(file), "--figure", "4", "--raw", code=2).stderr

@@ -2,7 +2,9 @@
 
 import csv
 import io
+import re
 import xml.dom.minidom
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -99,6 +101,9 @@ def test_a_figure_of_the_paper_shows_its_algorithms_and_its_definition(
     assert "hybrid-ddpg-cosine" in said
     assert "n = 3." in said
     assert "Normalised: 0 is the mean return" in said
+    rows = list(csv.DictReader(io.StringIO(client.get(f"{link}/figures/5.csv").text)))
+    assert {row["entry"] for row in rows} == {"ddpg", "hybrid-ddpg-cosine"}
+    assert len(rows) == 2 * 2 * 3
     fourth = texts(client.get(f"{link}/figures/4.svg").content)
     assert "hybrid-ddpg" in fourth
     assert "hybrid-ddpg-cosine" not in fourth
@@ -136,6 +141,17 @@ def test_a_figure_of_what_was_learned(
     said = texts(figure.content)
     for text in told:
         assert text in said
+    rows = list(csv.DictReader(io.StringIO(client.get(f"{link}.csv").text)))
+    if number == "2":
+        assert Counter(row["quantity"] for row in rows)["Q*"] == 41 * 21
+        epochs = {row["epoch"] for row in rows if row["quantity"] == "Q"}
+        assert len([row for row in rows if row["quantity"] == "policy"]) == 41 * len(epochs) > 0
+    else:
+        assert {row["start"] for row in rows} == {"0", "1", "2"}
+        assert {row["seed"] for row in rows} == {"2"}
+        counted = re.findall(r"start 0: (\d+) bounce", said)[0]
+        begun = [row for row in rows if row["start"] == "0" and row["bounce_begins"] == "True"]
+        assert len(begun) == int(counted)
     shown = "*-2" if number == "3" else "*-0"
     (file,) = Path(settings.checkpoint_place).glob(f"{shown}/policy")
     file.write_bytes(file.read_bytes()[:-1])
