@@ -1,7 +1,7 @@
 """The tasks: simulators with exact derivatives, for NumPy, torch and Gymnasium.
 
-`as_task`, `make`, `names`, `compile_kernels`, `torch_step` and `mujoco`, which makes tasks of
-MuJoCo's models, are loaded on first use (PEP 562), so that `import physics` alone loads neither
+`as_task`, `make`, `names`, `compile_kernels`, `spec_of`, `torch_step` and `mujoco`, which makes
+tasks of MuJoCo's models, are loaded on first use (PEP 562), so that `import physics` loads neither
 torch nor numba. The tasks are registered with Gymnasium when someone imports it, before or after
 this package.
 """
@@ -15,14 +15,16 @@ if TYPE_CHECKING:
     from physics import mujoco
     from physics.autograd import torch_step
     from physics.catalogue import as_task, compile_kernels, make, names
+    from physics.gym.registration import spec_of
 
-__all__ = ["as_task", "compile_kernels", "make", "mujoco", "names", "torch_step"]
+__all__ = ["as_task", "compile_kernels", "make", "mujoco", "names", "spec_of", "torch_step"]
 
 _HOMES = {
     "as_task": "physics.catalogue",
     "compile_kernels": "physics.catalogue",
     "make": "physics.catalogue",
     "names": "physics.catalogue",
+    "spec_of": "physics.gym.registration",
     "torch_step": "physics.autograd",
 }
 

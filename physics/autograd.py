@@ -12,16 +12,19 @@ differentiated as often as asked, a compiled one once.
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import torch
 from torch.autograd import forward_ad
 from torch.autograd.function import once_differentiable
 from torch.func import jacrev, vmap
 
-from physics.environment import Environment
+from physics.environment import Environment, NoisyEnvironment
+from physics.noise import PARAMETERS, PROCESS, next_places
 from physics.torch_environment import TorchEnvironment, gradients_enabled
 from physics.torch_trace import Tensors
+
+NOISE = {parameter.name for parameter in PARAMETERS}
 
 
 class TorchTransition(NamedTuple):
@@ -43,8 +46,10 @@ def torch_step(
 ) -> TorchTransition:
     """Advance states [batch, n] by one step; gradients flow to states and actions.
 
-    They also flow to `parameters`, values [] of the task's physical parameters by name, which
-    replace those of the task. For a compiled task that is the first derivative by reverse mode.
+    They also flow to `parameters`, values [] of the task's parameters by name, which replace those
+    of the task. For a compiled task that is the first derivative by reverse mode.
+
+    Noise is that of the places which the states hold, a constant; `process_noise` scales it.
 
     It works in float64, whatever the dtypes: next states and rewards have the dtype of `states`, a
     gradient that of what it belongs to. `torch.func` can transform it in any grad mode, and
@@ -56,7 +61,6 @@ def torch_step(
     Raises:
         ValueError: for anything but floating-point tensors on the CPU, for unknown parameters and
             values out of their ranges, and as `Environment.step`.
-        NotImplementedError: for the gradient in the parameters of a task that has none.
         RuntimeError: for a second derivative of a task that is no `TorchEnvironment`.
     """
     for what, tensor in (("states", states), ("actions", actions), *parameters.items()):
@@ -65,10 +69,13 @@ def torch_step(
                 f"{what} must be a floating-point tensor on the CPU, "
                 f"not {tensor.dtype} on {tensor.device}"
             )
+    rows = states.to(torch.float64), actions.to(torch.float64)
     if len(parameters) > 0:  # a compiler takes any mapping proxy to be true
-        found = _uncompiled_parametric_step(environment, states, actions, parameters)
+        found = _uncompiled_parametric_step(environment, *rows, parameters)
+    elif isinstance(environment, NoisyEnvironment):
+        found = _uncompiled_noisy_step(environment, *rows, {})
     else:
-        found = _uncompiled_step(environment, states.to(torch.float64), actions.to(torch.float64))
+        found = _uncompiled_step(environment, *rows)
     next_state, reward, terminated = found
     return TorchTransition(next_state.to(states.dtype), reward.to(states.dtype), terminated)
 
@@ -86,20 +93,40 @@ def _parametric_step(
     task = environment.with_parameters(
         **{name: float(each.detach()) for name, each in parameters.items()}
     )
-    rows = states.to(torch.float64), actions.to(torch.float64)
     values = {name: value.to(torch.float64) for name, value in parameters.items()}
+    if isinstance(task, NoisyEnvironment):
+        return _noisy_step(task, states, actions, values)
+    for name in NOISE & values.keys():  # 0, or the task were noisy
+        del values[name]
     if isinstance(task, TorchEnvironment):
-        task.check_inside(*(each.detach().numpy() for each in rows))
-        return task.with_tensors(values).transitions(*rows)
+        task.check_inside(states.detach().numpy(), actions.detach().numpy())
+        return task.with_tensors(values).transitions(states, actions)
     others = torch.from_numpy(task.parameter_values)
     place = {name: i for i, name in enumerate(task.parameters)}
     vector = torch.stack([values.get(name, others[i]) for name, i in place.items()])
-    found: Tensors = _ParametricStep.apply(task, vector, *rows)  # type: ignore[no-untyped-call]
+    found: Tensors = _ParametricStep.apply(task, vector, states, actions)  # type: ignore[no-untyped-call]
     return found
+
+
+def _noisy_step(
+    task: NoisyEnvironment,
+    states: torch.Tensor,
+    actions: torch.Tensor,
+    values: Mapping[str, torch.Tensor],
+) -> Tensors:
+    """The step of the task without noise, from the states that its noise disturbs."""
+    n = task.task.state_size
+    numbers, places = _Noise.of(task, states, actions)
+    moved = states[..., :n] + values.get(PROCESS, task.process_noise) * numbers
+    disturbed = torch.clamp(moved, *map(torch.from_numpy, task.limits))
+    others = {name: value for name, value in values.items() if name not in NOISE}
+    following, reward, terminated = torch_step(task.task, disturbed, actions, others)
+    return torch.cat([following, places], dim=-1), reward, terminated
 
 
 # A compiler would trace numpy and numba within.
 _uncompiled_parametric_step: Any = torch.compiler.disable(_parametric_step)  # type: ignore[no-untyped-call]
+_uncompiled_noisy_step: Any = torch.compiler.disable(_noisy_step)  # type: ignore[no-untyped-call]
 
 
 class _OfRows(torch.autograd.Function):
@@ -135,6 +162,33 @@ class _OfRows(torch.autograd.Function):
         results = cls.of(environment, *(r.flatten(0, 1) for r in first))
         shape = first[0].shape[:2]
         return tuple(r.view(*shape, *r.shape[1:]) for r in results), (0,) * len(results)
+
+
+class _Noise(_OfRows):
+    """What moves states by a deviation of 1 [batch, n], and the next places [batch, 2]: data."""
+
+    @staticmethod
+    def forward(environment: Environment, states: torch.Tensor, actions: torch.Tensor) -> Tensors:
+        del actions
+        task = cast("NoisyEnvironment", environment)
+        places = states.detach().numpy()[:, task.task.state_size :]
+        numbers = task.process_numbers(places)
+        return torch.from_numpy(numbers), torch.from_numpy(next_places(places))
+
+    @staticmethod
+    def setup_context(context: Any, inputs: tuple[Any, ...], output: Tensors) -> None:
+        del inputs
+        context.mark_non_differentiable(*output)
+
+    @staticmethod
+    def backward(context: Any, *gradients: torch.Tensor) -> tuple[None, None, None]:
+        del context, gradients
+        return None, None, None
+
+    @staticmethod
+    def jvp(context: Any, *tangents: torch.Tensor | None) -> tuple[None, None]:
+        del context, tangents
+        return None, None
 
 
 class _Step(_OfRows):

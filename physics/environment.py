@@ -36,7 +36,10 @@ from physics.domain import NotFiniteError as NotFiniteError  # noqa: PLC0414
 from physics.drawing import Drawing
 from physics.exploration import explore
 from physics.features import Array, FeatureMap
+from physics.noise import OBSERVATION, PARAMETERS, PROCESS, is_noisy
+from physics.noisy_task import NoisyTask
 from physics.parameter import checked, declared, label
+from physics.parameter_differences import by_differences
 from physics.randomness import generator
 from physics.row_checks import (
     are_finite,
@@ -135,6 +138,9 @@ class Environment(metaclass=CheckedWhenMade):
     """The features in this order, each by its place in that of the coordinates; empty: in that."""
     bounds: ClassVar[Mapping[int, tuple[float, float]]] = MappingProxyType({})
     """Coordinate -> its least and greatest value: no step starts or ends beyond them."""
+    noise_factors: ClassVar[Mapping[int, float]] = MappingProxyType({})
+    """Coordinate -> how much of the process noise moves it, 1 by default; 0 for constants, and for
+    places in which no step may start after any move, such as at a contact."""
     rounding: ClassVar[float] = 1e-15
     """How far rounding moves the numbers of a step: no difference says more than this over its
     width. The default is for numbers of order 1 to 10 that nothing amplifies."""
@@ -149,7 +155,7 @@ class Environment(metaclass=CheckedWhenMade):
     differentiate_kernel: Callable[..., int]
     """`(s, a, *transition, *derivatives)` does the same with all fields of a Linearization."""
     parameter_kernel: Callable[..., None] | None = None
-    """`(s, a, *derivatives)` fills ParameterDerivatives, which are 0 before; None without them."""
+    """`(s, a, *derivatives)` fills ParameterDerivatives, which are 0 before; None: differences."""
 
     changed: Mapping[str, Any] = MappingProxyType({})
     """The parameters that have other values than their defaults or were given them, by name."""
@@ -157,14 +163,37 @@ class Environment(metaclass=CheckedWhenMade):
     def with_parameters(self, **values: float) -> Self:
         """The same task with these values of its parameters; the others stay as they are.
 
+        Every task has `process_noise` and `observation_noise` (noise.py). Where one of them is not
+        0, the task is a `NoisyEnvironment`, and its state has two more coordinates.
+
         Raises:
             ValueError: for every name that is no parameter and every value out of its range.
         """
-        return self._changed(checked(self.name, declared(type(self)).values(), values))
+        known = [*declared(type(self)).values(), *PARAMETERS]
+        task = self._changed(checked(self.name, known, values))
+        if not is_noisy(task.changed):
+            return task
+        noisy: Any = NoisyEnvironment(task, task.process_noise, task.observation_noise)
+        with_noise: Self = noisy  # of no other type for whoever only gives physical parameters
+        return with_noise
+
+    def without_noise(self) -> "Environment":
+        """The task on the same states, without noise: what is expected of it, to plan with."""
+        return self
+
+    @property
+    def process_noise(self) -> float:
+        """The standard deviation of what moves a state before a step."""
+        return float(self.changed.get(PROCESS, 0.0))
+
+    @property
+    def observation_noise(self) -> float:
+        """The standard deviation of coordinates as they are observed."""
+        return float(self.changed.get(OBSERVATION, 0.0))
 
     @property
     def parameters(self) -> dict[str, float]:
-        """The values of all parameters, by name, in the order in which they are declared."""
+        """The values of all physical parameters, by name, in the order of their declaration."""
         return {name: getattr(self, name) for name in declared(type(self))}
 
     @property
@@ -263,14 +292,19 @@ class Environment(metaclass=CheckedWhenMade):
     ) -> ParameterDerivatives:
         """The derivatives of one step in the parameters; for `torch_step`.
 
+        By differences where the task has no `parameter_kernel` (parameter_differences.py).
+
         Raises:
-            ValueError, DomainError, NotFiniteError: as `step`.
-            NotImplementedError: for a compiled task without these derivatives.
+            ValueError, DomainError, NotFiniteError, UnsolvedStepError: as `step`.
         """
+        states, actions = self._checked(states, actions)
         kernel = self.parameter_kernel
         if kernel is None:
-            raise NotImplementedError(f"{self.name} has no derivatives in its parameters")
-        states, actions = self._checked(states, actions)
+            by_next = self.differentiate(states, actions).reward_next_state_gradient
+            following, total = by_differences(self, states, actions)
+            return ParameterDerivatives(
+                following, total - np.einsum("bi,bij->bj", by_next, following)
+            )
         batch, k = len(states), len(self.parameter_values)
         found = ParameterDerivatives(np.zeros((batch, self.state_size, k)), np.zeros((batch, k)))
         kernel(states, actions, *found)
@@ -412,6 +446,10 @@ class Environment(metaclass=CheckedWhenMade):
                 f"states and actions must have as many rows, not {len(states)} and {len(actions)}"
             )
         return states, actions
+
+
+class NoisyEnvironment(NoisyTask, Environment):
+    """A task with noise; see noisy_task.py."""
 
 
 def clip_sides(actions: FloatArray) -> IntArray:

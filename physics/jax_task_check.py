@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from physics.drawing_check import drawing_mistakes
 from physics.jax_engine import jax
 
 if TYPE_CHECKING:
@@ -33,12 +34,12 @@ def function_mistakes(task: "JaxEnvironment") -> list[str]:
 
 def _of_start(task: "JaxEnvironment") -> list[str]:
     try:
-        task.initial_states(range(3))
+        starts = task.initial_states(range(3))
     except ValueError as error:
         return [str(error)]
     except Exception as error:
         return [f"initial_state raised {type(error).__name__}: {error}"]
-    return []
+    return drawing_mistakes(task, starts[0])
 
 
 def _of_function(

@@ -8,10 +8,10 @@ with other values is written `Pendulum(gravity=9.81)`: its label, which `physics
 """
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
-from functools import partial
+from functools import cached_property, partial
 from inspect import getattr_static
 from math import isfinite
 from numbers import Real
@@ -33,6 +33,8 @@ class Parameter:
     meaning: str = ""
     name: str = ""
     """As the class that declares it calls it."""
+    of_every_task: bool = False
+    """Whether no task declares it, because all have it."""
 
     def __set_name__(self, owner: type, name: str) -> None:
         """Take the name of the attribute."""
@@ -64,7 +66,7 @@ class Parameter:
         )
 
 
-class WithParameters:
+class WithParameters(cached_property[Callable[..., Any]]):
     """A kernel whose first argument is the values of its task's parameters, float64 [k].
 
     They come in the order of their declaration, and are no constants of the compiled code: other
@@ -73,11 +75,7 @@ class WithParameters:
 
     def __init__(self, kernel: Callable[..., Any]) -> None:
         """Wrap a kernel, as the attribute of a class of tasks."""
-        self._kernel = kernel
-
-    def __get__(self, task: Any, owner: type) -> Any:
-        """The kernel with the values of the task."""
-        return self if task is None else partial(self._kernel, task.parameter_values)
+        super().__init__(lambda task: partial(kernel, task.parameter_values))
 
 
 def declared(cls: type) -> dict[str, Parameter]:
@@ -110,7 +108,7 @@ def checked(
     """
     known = {parameter.name: parameter for parameter in parameters}
     mistakes = [
-        unknown_name(name, tuple(known)) if name not in known else known[name].mistake(value)
+        unknown_name(name, known) if name not in known else known[name].mistake(value)
         for name, value in values.items()
     ]
     if any(mistakes):
@@ -118,11 +116,14 @@ def checked(
     return {name: float(values[name]) for name in known if name in values}
 
 
-def unknown_name(name: str, known: Sequence[str]) -> str:
+def unknown_name(name: str, known: Mapping[str, Parameter]) -> str:
     """The sentence for a name that is no parameter."""
     near = get_close_matches(name, known, n=1, cutoff=0.5)
     hint = f"; did you mean {near[0]!r}?" if near else ""
-    return f"there is no parameter {name!r}{hint} (known: {', '.join(known) or 'none'})"
+    own = [each for each, parameter in known.items() if not parameter.of_every_task]
+    others = [each for each in known if each not in own]
+    also = f"; every task has {' and '.join(others)}" if others else ""
+    return f"there is no parameter {name!r}{hint} (known: {', '.join(own) or 'none'}){also}"
 
 
 def label(name: str, values: Mapping[str, float]) -> str:

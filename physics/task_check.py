@@ -68,7 +68,7 @@ def is_name(value: Any) -> bool:
     return isinstance(value, str) and re.fullmatch(rf"({word}/)?{word}", value) is not None
 
 
-COORDINATES = ("angles", "hidden", "bounds", "clipped")
+COORDINATES = ("angles", "hidden", "bounds", "clipped", "noise_factors")
 """Constants that name coordinates."""
 SIZES = (
     Rule("state_size", "an integer from 1 on", is_whole),
@@ -92,6 +92,7 @@ RULES = (
     Rule("hidden", "a tuple of coordinates", lambda value: isinstance(value, tuple)),
     Rule("bounds", "a mapping of coordinates", lambda value: isinstance(value, Mapping)),
     Rule("clipped", "a mapping of coordinates", lambda value: isinstance(value, Mapping)),
+    Rule("noise_factors", "a mapping of coordinates", lambda value: isinstance(value, Mapping)),
     Rule("feature_order", "a tuple of places", lambda value: isinstance(value, tuple)),
     Rule("regimes", "a tuple of different names, at least one", are_names),
     Rule("step_kernel", "a function", callable),
@@ -132,6 +133,9 @@ def coordinate_mistakes(task: "Environment") -> Iterator[str]:
     for i, bounds in task.bounds.items():
         if not _is_interval(bounds):
             yield f"bounds[{i!r}] must be (least, greatest), two numbers, not {bounds!r}"
+    for i, factor in task.noise_factors.items():
+        if not is_number(factor) or factor < 0:
+            yield f"noise_factors[{i!r}] must be a number from 0 on, not {factor!r}"
     yield from _feature_mistakes(task)
     if set(range(n)) <= set(task.hidden):
         yield "hidden names every coordinate: networks would see nothing"

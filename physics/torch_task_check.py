@@ -14,6 +14,7 @@ import numpy as np
 import torch
 from torch.func import jacrev, vmap
 
+from physics.drawing_check import drawing_mistakes
 from physics.randomness import generator
 
 if TYPE_CHECKING:
@@ -59,8 +60,9 @@ def outcome_mistakes(task: WithOutcome) -> list[str]:
 
 
 def _tried(task: WithOutcome) -> tuple[torch.Tensor, torch.Tensor, list[str]]:
-    """States [ROWS, n], actions [ROWS, m], and why the states are no start states."""
+    """States [ROWS, n], actions [ROWS, m], and what is wrong with start states and drawing."""
     starts, mistakes = _starts(task)
+    mistakes += [] if mistakes else drawing_mistakes(task, starts[0])
     random = generator(0, "torch task check")
     actions = random.uniform(-1.0, 1.0, (ROWS, task.action_size))
     return torch.from_numpy(starts), torch.from_numpy(actions), mistakes

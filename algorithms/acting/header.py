@@ -19,7 +19,7 @@ class Header:
     Attributes:
         task: the name of the task.
         task_version: the version that the policy was trained in.
-        parameters: the values of its physical parameters.
+        parameters: the values of its physical parameters, and those of noise that were given.
         state_size: n, the coordinates of a state.
         angles: coordinate -> multiplicity k; its features are cos(k theta), sin(k theta).
         hidden: coordinates without a feature.

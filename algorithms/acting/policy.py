@@ -119,7 +119,7 @@ def policy_of(
     header = Header(
         task=environment.name,
         task_version=environment.version,
-        parameters=environment.parameters,
+        parameters={**environment.parameters, **environment.changed},
         state_size=environment.state_size,
         angles=dict(environment.angles),
         hidden=list(environment.hidden),
@@ -131,7 +131,8 @@ def policy_of(
         origin={**origin, "timestep": snapshot.timestep},
     )
     states = 20.0 * generator(0, "features").standard_normal((16, environment.state_size))
-    if not np.array_equal(header.feature_map.features(states), environment.features(states)):
+    features = environment.without_noise().features(states)
+    if not np.array_equal(header.feature_map.features(states), features):
         raise ValueError(
             f"the policy of {environment.name} cannot leave training: its features are not those "
             "of its declared angles and hidden coordinates"

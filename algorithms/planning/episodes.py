@@ -76,6 +76,23 @@ def replay(environment: Environment, episodes: Episodes, start: int) -> Failures
     return failures
 
 
+def act(
+    environment: Environment, model: Environment, episodes: Episodes, now: int, plans: Integers
+) -> Failures:
+    """Do the actions of these plans at step `now`; what follows is in line with the model then.
+
+    Returns:
+        How plans failed; their episodes are void.
+    """
+    own = Episodes._make(part[plans] for part in episodes)
+    own.ends[own.ends > now] = environment.horizon
+    failures = take_step(environment, own, now)
+    failures = replay(model, own, now + 1) | failures
+    for part, rows in zip(episodes, own, strict=True):
+        part[plans] = rows
+    return {int(plans[k]): error for k, error in failures.items()}
+
+
 def take_step(environment: Environment, episodes: Episodes, t: int) -> Failures:
     """Fill in what follows from the states and actions at step t; return how plans failed."""
     states = np.ascontiguousarray(episodes.states[:, t])

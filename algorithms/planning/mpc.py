@@ -10,6 +10,9 @@ The whole episode is planned from the start, by one rollout of the initial actor
 of that seed begins with, in the state that its first episode begins in. So a plan that moves on
 takes in the next of that actor's actions, and nothing is made up.
 
+Plans are made without the task's noise, which nobody can know, and from the state itself, not from
+what is observed of it. An action is done with the noise, and the plan goes on from where it led.
+
 What is measured. A run simulates one episode, over and over, instead of many. Its curve is what the
 episode is predicted to earn: rewards collected, those of the plan, and those of the initial actions
 that remain after it. Whenever an action is done that prediction is made anew, and the curve at
@@ -42,7 +45,7 @@ from algorithms.measurement import Measurement
 from algorithms.networks.parameters import initial_theta
 from algorithms.networks.policy import Policies, deterministic
 from algorithms.networks.shape import Shape
-from algorithms.planning.episodes import Episodes, replay, roll_out, window_return
+from algorithms.planning.episodes import Episodes, act, replay, roll_out, window_return
 from algorithms.planning.planner import Planner
 from algorithms.settings import MPCConfig
 from algorithms.state import Saved, State, part, within
@@ -66,13 +69,14 @@ class MPCLearner:
     ) -> None:
         """Roll the initial actors out."""
         self._environment = environment
+        self._model = environment.without_noise()
         self._timesteps = timesteps
         self._config = config
         self._histories = [History(seed, timesteps) for seed in seeds]
         self._stopwatch = Stopwatch({history.seed: history.cost for history in self._histories})
         with one_thread(), self._stopwatch.training(seeds):
-            episodes, failures = first_plans(environment, seeds, config.hidden_units)
-        self._planner = Planner(environment, episodes)
+            episodes, failures = first_plans(self._model, seeds, config.hidden_units)
+        self._planner = Planner(self._model, episodes)
         self._planner.failures |= failures
         self._planner.simulated[:] = episodes.ends
         self._times = np.zeros(len(seeds), np.int64)
@@ -120,7 +124,7 @@ class MPCLearner:
             if unfinished.any():
                 self._iterate(now, stop, np.flatnonzero(unfinished))
                 return self._measure()
-            return self._act(stop, np.flatnonzero(here))
+            return self._act(now, stop, np.flatnonzero(here))
 
     def drop(self, seeds: Collection[int]) -> None:
         """Stop these runs."""
@@ -158,11 +162,16 @@ class MPCLearner:
             self._planner.iterate(now, stop, plans)
         self._iterations[plans] += 1
 
-    def _act(self, stop: int, plans: Integers) -> list[Measurement]:
-        """Do the next action of these plans, which end before `stop`, and move them on."""
+    def _act(self, now: int, stop: int, plans: Integers) -> list[Measurement]:
+        """Do the action of these plans at step `now`, which end before `stop`; move them on."""
         episodes = self._planner.episodes
         with self._stopwatch.aside():
-            self._planner.failures |= replay(self._environment, episodes, stop)
+            if self._model is self._environment:  # the plan has come true
+                self._planner.failures |= replay(self._model, episodes, stop)
+            else:
+                self._planner.failures |= act(self._environment, self._model, episodes, now, plans)
+                self._planner.has_moved(plans, now + 1)
+                self._planner.simulated[plans] += stop - (now + 1)
         self._planner.simulated[plans] += episodes.ends[plans] > stop  # the step that one takes in
         measured = self._measure()
         self._times[plans] += 1

@@ -96,6 +96,10 @@ class Planner:
         self.regularisation.level[spent] = 1.0
         self.regularisation.growth[spent] = 1.0
 
+    def has_moved(self, plans: Integers, start: int) -> None:
+        """Take note that the states of these plans have changed from step `start` on."""
+        self._expanded_to[plans] = np.minimum(self._expanded_to[plans], start)
+
     def keep(self, rows: list[int]) -> None:
         """Keep these plans only."""
         self.failures = failures_of(self.failures, rows)

@@ -47,6 +47,7 @@ STAYS, VANISHES = 1 / 8, 1e-5
 
 # At this width, 8e-6, the one-sided slopes of a smooth map differ by f'' h, at the next by a
 # quarter of it. Where the difference stays, the centre is a corner, of which D tells the mean.
+# A task whose rounding forbids these widths is judged by the two narrowest that it allows.
 CORNER = 4
 
 
@@ -83,7 +84,8 @@ def differences(environment: Environment, states: FloatArray, actions: FloatArra
         better = doubt < least_doubt  # never where either is NaN
         best[better], least_doubt[better] = slope[better], doubt[better]
     scale = _scales(best, n)
-    corner = _is_any((bends[CORNER + 1] > bends[CORNER] / 2) & (bends[CORNER + 1] > DOUBT * scale))
+    narrow = min(CORNER + 1, len(bends) - 1)
+    corner = _is_any((bends[narrow] > bends[narrow - 1] / 2) & (bends[narrow] > DOUBT * scale))
     smooth = ~corner & ~_is_any(~(least_doubt <= DOUBT * scale))  # never where either is NaN
     fits = ~np.isnan(slopes[-2:]).any(axis=(0, 2, 3))
     bent = fits & (~smooth | _jumps([np.abs(slope - best) / scale for slope in slopes]))

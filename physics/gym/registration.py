@@ -8,11 +8,15 @@ installed package that fails to, or may be the very one that is being imported.
 
 from dataclasses import asdict
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import gymnasium
 from gymnasium.envs.registration import EnvSpec
 
-from physics.catalogue import make, names
+from physics.catalogue import as_task, names
+
+if TYPE_CHECKING:
+    from physics.environment import Environment
 
 
 class TaskSpec(EnvSpec):
@@ -27,8 +31,7 @@ class TaskSpec(EnvSpec):
     @cached_property
     def max_episode_steps(self) -> int | None:  # type: ignore[override]
         """The task's horizon."""
-        task = next((task for task in names() if _word(task) == self.name), self.name)
-        return make(task).horizon
+        return as_task(self.kwargs.get("task", self.name)).horizon
 
     def __eq__(self, other: object) -> bool:
         """Whether the other spec says the same, whichever of the two classes it is of."""
@@ -47,6 +50,18 @@ def _word(task: str) -> str:
     return task.replace("/", "-")
 
 
+def spec_of(task: "str | Environment | type[Environment]") -> TaskSpec:
+    """Gymnasium's spec of a task that is not in its registry, for `gymnasium.make` and `make_vec`.
+
+    Args:
+        task: as `physics.as_task` takes it, such as "my_tasks.py:Arm".
+
+    Raises:
+        ValueError: for a task that cannot be made.
+    """
+    return _spec(identifier(as_task(task).name), task)
+
+
 def register() -> None:
     """Register every task of `physics.names()` that is not registered yet."""
     for name in names():
@@ -59,11 +74,11 @@ def register() -> None:
             gymnasium.logger.warn(f"d3pg: the task {name!r} is not registered: {refusal}")
 
 
-def _spec(own: str, name: str) -> TaskSpec:
-    """The spec of the task of that name, under its id."""
+def _spec(own: str, task: "str | Environment | type[Environment]") -> TaskSpec:
+    """The spec of a task, under its id."""
     return TaskSpec(
         own,
         entry_point="physics.gym.env:GymnasiumEnvironment",
         vector_entry_point="physics.gym.vector_env:GymnasiumVectorEnvironment",
-        kwargs={"task": name},
+        kwargs={"task": task},
     )

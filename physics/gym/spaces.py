@@ -1,7 +1,8 @@
 """Gymnasium's spaces of a task.
 
 observation   Box of the features, float64: what a network sees, to the last bit. Finite where
-              the task promises bounds: cosines and sines, `Environment.bounds`, clipped features
+              the task promises bounds: cosines and sines, `Environment.bounds` where they are
+              observed without noise, clipped features
 action        Box(-1, 1), float32, as policies give them; float64 actions are taken unrounded
 """
 
@@ -16,8 +17,9 @@ SINE = (-1.0, 1.0)
 
 def observation_space(task: Environment) -> Box[np.float64]:
     """Where the features [F] lie."""
+    promised = {} if task.observation_noise else task.bounds
     bounds = [
-        SINE if source in task.angles else task.bounds.get(source, UNBOUNDED)
+        SINE if source in task.angles else promised.get(source, UNBOUNDED)
         for source in task.feature_sources.tolist()
     ]
     low, high = np.array(bounds).T

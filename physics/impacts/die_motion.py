@@ -19,6 +19,7 @@ theta + pi/4 + i pi/2. The die's mass is 1 kg, so impulses (N s) are changes of 
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -46,17 +47,29 @@ from physics.impacts.impulse import STICK, Impulse, routh_impulse, settling_impu
 from physics.impacts.trace import IMPACT, LYING, SETTLED, Event, Trace, note
 from physics.kernels.compiled import compiled
 
-GRAVITY = 9.81
 INERTIA = 1.0 / 6.0  # kg m^2, a square of side 1 m and mass 1 kg
 CORNERS = np.array([[0.5, 0.5], [-0.5, 0.5], [-0.5, -0.5], [0.5, -0.5]])
 REACH = math.sqrt(0.5)
 REST_HEIGHT = 0.5
 QUARTER_TURN = math.pi / 2.0
 
+GRAVITY = 9.81
 FRICTION = 0.5
 RESTITUTION = 0.6
 SETTLING_SPEED = 0.05  # vs
 REST_ENERGY = 0.01  # Er
+
+
+class Laws(NamedTuple):
+    """What may be changed of how a die falls."""
+
+    gravity: float
+    """m/s^2"""
+    friction: float
+    restitution: float
+
+
+USUAL = Laws(GRAVITY, FRICTION, RESTITUTION)
 
 MAX_TOUCHES = 64
 BISECTIONS = 64  # of at most 0.02 s: down to 1e-21 s
@@ -66,10 +79,10 @@ SUNK_DEPTH = 1e-12  # m: a corner deeper than this was put below the ground, not
 
 
 @compiled
-def excess_energy(body: FlyingBody) -> float:
+def excess_energy(body: FlyingBody, laws: Laws) -> float:
     """E (J), over that of a die lying still."""
     turning = 0.5 * INERTIA * body.spin * body.spin
-    return 0.5 * body.vy * body.vy + turning + GRAVITY * (body.y - REST_HEIGHT)
+    return 0.5 * body.vy * body.vy + turning + laws.gravity * (body.y - REST_HEIGHT)
 
 
 @compiled
@@ -88,7 +101,11 @@ def gap(body: FlyingBody, corner: int) -> float:
 
 @compiled
 def move(
-    body: FlyingBody, tangent: BodyTangent | None, trace: Trace | None, alpha: float
+    body: FlyingBody,
+    tangent: BodyTangent | None,
+    trace: Trace | None,
+    alpha: float,
+    laws: Laws = USUAL,
 ) -> FlyingBody:
     """Move a die for the time it has left.
 
@@ -97,17 +114,18 @@ def move(
         tangent: moved along; None to do without derivatives.
         trace: all 0, gets a row for each contact; None to do without.
         alpha: angular acceleration.
+        laws: of gravity and contact.
     """
-    if excess_energy(body) < REST_ENERGY:
-        return lie(body, tangent, trace, False)
-    corner = settled_corner(body)
+    if excess_energy(body, laws) < REST_ENERGY:
+        return lie(body, tangent, trace, False, laws)
+    corner = settled_corner(body, laws)
     if corner != NO_TOUCH:
-        body, landing = settle(body, tangent, trace, corner, alpha, False)
+        body, landing = settle(body, tangent, trace, corner, alpha, False, laws)
         if landing == NO_TOUCH:
             return body
     for _ in range(MAX_TOUCHES):
-        corner, moment = first_touch(body, CORNERS, REACH, GRAVITY, alpha)
-        body = fly(body, tangent, moment, GRAVITY, alpha)
+        corner, moment = first_touch(body, CORNERS, REACH, laws.gravity, alpha)
+        body = fly(body, tangent, moment, laws.gravity, alpha)
         if corner == NO_TOUCH:
             if tangent is not None:
                 end_with_time(tangent)
@@ -116,11 +134,11 @@ def move(
         if tangent is not None:
             end_with_gap(tangent, rx)
         if -(body.vy + body.spin * rx) >= SETTLING_SPEED:
-            body = bounce(body, tangent, trace, corner)
-        elif excess_energy(body) < REST_ENERGY:
-            return lie(body, tangent, trace, True)
+            body = bounce(body, tangent, trace, corner, laws)
+        elif excess_energy(body, laws) < REST_ENERGY:
+            return lie(body, tangent, trace, True, laws)
         else:
-            body, landing = settle(body, tangent, trace, corner, alpha, True)
+            body, landing = settle(body, tangent, trace, corner, alpha, True, laws)
             if landing == NO_TOUCH:
                 return body
     return body
@@ -128,27 +146,30 @@ def move(
 
 @compiled
 def bounce(
-    body: FlyingBody, tangent: BodyTangent | None, trace: Trace | None, corner: int
+    body: FlyingBody, tangent: BodyTangent | None, trace: Trace | None, corner: int, laws: Laws
 ) -> FlyingBody:
     """Impact of a corner."""
     rx, ry = lever(body.angle, corner)
     contact = contact_at(body, rx, ry, INERTIA)
-    impulse = routh_impulse(contact, FRICTION, RESTITUTION)
+    impulse = routh_impulse(contact, laws.friction, laws.restitution)
     if trace is not None:
         note(trace, contact_event(IMPACT, body, corner, impulse, True, NO_TOUCH))
     return push(body, tangent, rx, ry, INERTIA, impulse)
 
 
 @compiled
-def settled_corner(body: FlyingBody) -> int:
+def settled_corner(body: FlyingBody, laws: Laws) -> int:
     """The corner that is as good as on the ground, v^2 + 2 g gap < vs^2: the lowest, or none."""
-    if 2.0 * GRAVITY * (body.y - REACH) >= SETTLING_SPEED * SETTLING_SPEED:
+    if 2.0 * laws.gravity * (body.y - REACH) >= SETTLING_SPEED * SETTLING_SPEED:
         return NO_TOUCH
     settled, lowest = NO_TOUCH, math.inf
     for corner in range(4):
         rx, ry = lever(body.angle, corner)
         height, v = body.y + ry, body.vy + body.spin * rx
-        if v * v + 2.0 * GRAVITY * height < SETTLING_SPEED * SETTLING_SPEED and height < lowest:
+        if (
+            v * v + 2.0 * laws.gravity * height < SETTLING_SPEED * SETTLING_SPEED
+            and height < lowest
+        ):
             settled, lowest = corner, height
     return settled
 
@@ -161,19 +182,20 @@ def settle(
     corner: int,
     alpha: float,
     touched: bool,
+    laws: Laws,
 ) -> tuple[FlyingBody, int]:
     """Settled contact of a corner until the time is up (NO_TOUCH), or until another one lands.
 
     `touched` says whether it comes from a touch within the step, which only the trace tells.
     """
     duration, landing = body.time, NO_TOUCH
-    after, _ = glide(body, None, corner, duration, alpha)
+    after, _ = glide(body, None, corner, duration, alpha, laws)
     for other in range(4):
         if landing == NO_TOUCH and other != corner and gap(after, other) < 0.0:
             landing = other
     if landing != NO_TOUCH:
-        duration = landing_time(body, corner, landing, alpha)
-    after, impulse = glide(body, tangent, corner, duration, alpha)
+        duration = landing_time(body, corner, landing, alpha, laws)
+    after, impulse = glide(body, tangent, corner, duration, alpha, laws)
     if tangent is not None:
         if landing == NO_TOUCH:
             end_with_time(tangent)
@@ -186,23 +208,28 @@ def settle(
 
 @compiled
 def glide(
-    body: FlyingBody, tangent: BodyTangent | None, corner: int, duration: float, alpha: float
+    body: FlyingBody,
+    tangent: BodyTangent | None,
+    corner: int,
+    duration: float,
+    alpha: float,
+    laws: Laws,
 ) -> tuple[FlyingBody, Impulse]:
     """Settled contact of a corner for a duration: one impulse, then the pose moves along."""
     rx, ry = lever(body.angle, corner)
-    body = accelerate(body, tangent, duration, GRAVITY, alpha)
-    impulse = settling_impulse(contact_at(body, rx, ry, INERTIA), FRICTION)
+    body = accelerate(body, tangent, duration, laws.gravity, alpha)
+    impulse = settling_impulse(contact_at(body, rx, ry, INERTIA), laws.friction)
     body = push(body, tangent, rx, ry, INERTIA, impulse)
     return coast(body, tangent, duration), impulse
 
 
 @compiled
-def landing_time(body: FlyingBody, corner: int, landing: int, alpha: float) -> float:
+def landing_time(body: FlyingBody, corner: int, landing: int, alpha: float, laws: Laws) -> float:
     """How long a corner can settle until another one lands, by bisection, that one not below."""
     clear, sunk = 0.0, body.time
     for _ in range(BISECTIONS):
         middle = 0.5 * (clear + sunk)
-        if gap(glide(body, None, corner, middle, alpha)[0], landing) >= 0.0:
+        if gap(glide(body, None, corner, middle, alpha, laws)[0], landing) >= 0.0:
             clear = middle
         else:
             sunk = middle
@@ -211,10 +238,10 @@ def landing_time(body: FlyingBody, corner: int, landing: int, alpha: float) -> f
 
 @compiled
 def lie(
-    body: FlyingBody, tangent: BodyTangent | None, trace: Trace | None, touched: bool
+    body: FlyingBody, tangent: BodyTangent | None, trace: Trace | None, touched: bool, laws: Laws
 ) -> FlyingBody:
     """Lie flat for the time that is left, sliding to rest; `touched` as in `settle`."""
-    braking = GRAVITY * FRICTION
+    braking = laws.gravity * laws.friction
     stops = abs(body.vx) <= braking * body.time
     deceleration = math.copysign(braking, body.vx)
     duration = body.vx / deceleration if stops else body.time

@@ -111,6 +111,7 @@ class MujocoTask(Environment):
         mujoco.mj_forward(cls.model, simulation.data)
         refuse_measure(cls, simulation)
         cls.state_size = len(simulation.completed(cls._rest()))
+        cls.noise_factors = {**cls._unmoved(), **cls.noise_factors}
         cls._frame = frame_of(cls.model, simulation.data, cls.plane)
 
     @classmethod
@@ -274,6 +275,12 @@ class MujocoTask(Environment):
     def _rest(cls) -> FloatArray:
         """The model's own state, at rest [nq + nv + na]."""
         return np.concatenate([cls.model.qpos0, np.zeros(cls.model.nv + cls.model.na)])
+
+    @classmethod
+    def _unmoved(cls) -> dict[int, float]:
+        """No process noise but on speeds: positions hold quaternions, contacts and limits."""
+        speeds = range(cls.model.nq, cls.model.nq + cls.model.nv)
+        return {i: 0.0 for i in range(cls.state_size) if i not in speeds}
 
     def _posed(self, state: FloatArray) -> Any:
         """The data of a state, its positions up to date."""

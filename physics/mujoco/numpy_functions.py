@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from physics.drawing_check import drawing_mistakes
 from physics.environment import BoolArray, FloatArray
 from physics.mujoco.declaration_check import described
 from physics.mujoco.mujoco_task import MujocoTask
@@ -41,6 +42,7 @@ class NumpyMujocoTask(MujocoTask):
             *_mistake("reward", "a number", Real, [(s, action, s) for s in states], self.reward),
             *_mistake("terminated", "True or False", bool | np.bool_, [(s,) for s in states],
                       self.terminated),
+            *drawing_mistakes(self, states[0]),
         ]  # fmt: skip
 
     def rewards(

@@ -6,12 +6,13 @@ with `x, z` the root's place relative to the one it is described in, and joints 
 links. A step is `substeps` substeps under one action, each as dynamics/substep.py has it.
 
 A subclass declares `robot`, `substep_seconds`, `substeps`, `reward` and `end`, and says where its
-episodes start. Everything else follows.
+episodes start. Everything else follows, the physical parameters too (parameters.py).
 """
 
 import math
+from collections.abc import Mapping
 from types import MappingProxyType
-from typing import ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -36,6 +37,7 @@ from physics.robots.lcp.contact_mode import OPEN
 from physics.robots.model import description_check
 from physics.robots.model.description import Robot
 from physics.robots.model.mechanism import build, sizes
+from physics.robots.model.parameters import changed_mechanism, parameters_of
 from physics.robots.model.spheres import end_spheres
 from physics.robots.regime import REGIMES, regime_of
 from physics.robots.report import (
@@ -86,13 +88,13 @@ class RobotTask(Environment):
     hidden = (0,)
     regimes = REGIMES
 
-    mechanism: ClassVar[Records]
+    mechanism: Records
     """The robot as the kernels see it, [1]."""
     body_type: ClassVar[np.dtype[np.void]]
     _no_bodies: ClassVar[Records]
     _coordinates: ClassVar[int]
     _spheres: ClassVar[int]
-    _motion: ClassVar[tuple[Records, Records, Records, float, int]]
+    _motion: tuple[Records, Records, Records, float, int]
     """The first arguments of `move_rows`, up to the states."""
     _stops: ClassVar[tuple[FloatArray, FloatArray]]
     """Lower and upper ones, of the joints in their order."""
@@ -113,6 +115,9 @@ class RobotTask(Environment):
         n, m = size["n"], size["m"]
         cls.state_size, cls.action_size = 2 * n, m
         cls.step_seconds = cls.substeps * cls.substep_seconds
+        cls.noise_factors = dict.fromkeys(range(n), 0.0)  # a contact point would enter the ground
+        for parameter in parameters_of(cls.robot):
+            setattr(cls, parameter.name, parameter)
         cls.mechanism = build(cls.robot)
         cls.body_type = dtype(Body, **size)
         cls._no_bodies = np.empty(0, cls.body_type)
@@ -128,6 +133,13 @@ class RobotTask(Environment):
         cls._stops = np.array([j.lower for j in joints]), np.array([j.upper for j in joints])
         cls._no_jacobians = np.empty((0, 2 * n, 2 * n)), np.empty((0, 2 * n, m))
         cls._no_modes = np.empty((0, cls.substeps, 8 * math.ceil(size["k"] / 8)), np.int8)
+
+    def _changed(self, values: Mapping[str, Any]) -> Self:
+        """A copy with these values, and a mechanism of its own."""
+        other = super()._changed(values)
+        other.mechanism = changed_mechanism(self.robot, other.parameters)
+        other._motion = (other.mechanism, *self._motion[1:])
+        return other
 
     def step_kernel(
         self,

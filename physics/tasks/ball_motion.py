@@ -101,14 +101,23 @@ def _touch_ground(
 
 
 @compiled
-def _carry(tangent: FloatArray, h: float, grip: float, by_q: FloatArray, by_v: FloatArray) -> None:
-    """Carry the tangent [4, 6] over the kick of a substep of h; q is at the half."""
-    for column in range(6):
+def _carry(
+    tangent: FloatArray,
+    h: float,
+    grip: float,
+    by_stiffness: tuple[float, float],
+    by_q: FloatArray,
+    by_v: FloatArray,
+) -> None:
+    """Carry the tangent over the kick of a substep of h; q is at the half."""
+    for column in range(tangent.shape[1]):
         change_0, change_1 = 0.0, 0.0
         if column == 4:
             change_0 = grip
         elif column == 5:
             change_1 = grip
+        elif column == 6:
+            change_0, change_1 = by_stiffness
         for j in range(2):
             change_0 += by_q[0, j] * tangent[j, column] + by_v[0, j] * tangent[2 + j, column]
             change_1 += by_q[1, j] * tangent[j, column] + by_v[1, j] * tangent[2 + j, column]
@@ -119,7 +128,7 @@ def _carry(tangent: FloatArray, h: float, grip: float, by_q: FloatArray, by_v: F
 @compiled
 def _drift(tangent: FloatArray, h: float) -> None:
     """Carry the tangent over a drift of h."""
-    for column in range(6):
+    for column in range(tangent.shape[1]):
         for i in range(2):
             tangent[i, column] += h * tangent[2 + i, column]
 
@@ -142,7 +151,8 @@ def move(
         state: [4].
         push: [2], clipped.
         next_state: [4], filled.
-        tangent: derivatives [4, 6] in state and push, identity before; unused if [0, 6].
+        tangent: derivatives [4, 6] in state and push, identity before, or [4, 7] in the stiffness
+            as well; unused if [0, 6].
         touches: [substeps, 2], filled with what wall and ground do; unused if [0, 2].
     """
     h, half = DT / substeps, 0.5 * DT / substeps
@@ -163,8 +173,12 @@ def move(
         wall = _touch_wall((x, y), (vx, vy), stiffness, force, by_q, by_v)
         ground = _touch_ground(y, (vx, vy), stiffness, force, by_q, by_v)
         if tangent.shape[0] > 0:
+            contact = (
+                (force[0] - grip * push[0]) / stiffness,
+                (force[1] - (grip * push[1] - GRAVITY)) / stiffness,
+            )
             _drift(tangent, half)
-            _carry(tangent, h, grip, by_q, by_v)
+            _carry(tangent, h, grip, contact, by_q, by_v)
             _drift(tangent, half)
         if touches.shape[0] > 0:
             touches[substep, 0], touches[substep, 1] = wall, ground

@@ -93,7 +93,8 @@ def step_rows(
         pushes: [batch, 2], within the box.
         next_states: [batch, 4], filled.
         rewards: [batch], filled.
-        tangents: [batch, 4, 6], filled with the derivatives; or [0, 4, 6].
+        tangents: [batch, 4, 6] or [batch, 4, 7], filled with the derivatives in state, push and
+            stiffness; or [0, 4, 6].
         touches: [batch, substeps, 2], filled with what wall and ground do; or [0, substeps, 2].
     """
     nothing, nowhere = np.empty((0, 6)), np.empty((0, 2), np.int64)
@@ -101,7 +102,7 @@ def step_rows(
         tangent = tangents[row] if tangents.shape[0] > 0 else nothing
         touched = touches[row] if touches.shape[0] > 0 else nowhere
         for i in range(tangent.shape[0]):
-            for j in range(6):
+            for j in range(tangent.shape[1]):
                 tangent[i, j] = 1.0 if i == j else 0.0
         move(stiffness, substeps, states[row], pushes[row], next_states[row], tangent, touched)
         rewards[row] = -target_distance(next_states[row, 0], next_states[row, 1])
@@ -169,6 +170,19 @@ class BallWall(Environment):
         from_target = next_states[:, :2] - [TARGET, RADIUS]
         reward_next_state_gradients[:, :2] = from_target / rewards[:, None]
         return -1
+
+    def parameter_kernel(
+        self,
+        states: FloatArray,
+        actions: FloatArray,
+        next_by_parameter: FloatArray,
+        reward_by_parameter: FloatArray,
+    ) -> None:
+        """Differentiate every row in the stiffness, the number of substeps held."""
+        del reward_by_parameter  # the stiffness moves the ball alone
+        tangents = np.empty((len(states), 4, 7))
+        self._move(states, actions, np.empty_like(states), np.empty(len(states)), tangents)
+        next_by_parameter[:, :, 0] = tangents[:, :, 6]
 
     def _move(
         self,

@@ -18,26 +18,22 @@ Glossary:
     u                torque at the joint (N m)
     m, l, lc, I      each link's mass 1 kg, length 1 m, half length, inertia 1 kg m^2; g = 9.8 m/s^2
     s                (theta1, theta2, omega1, omega2)
+    p                the parameters (g, l, m, I)
 
 The book form of Sutton and Barto (2018), as in Gymnasium's Acrobot-v1.
 """
 
 import math
+from typing import NamedTuple
 
 from physics.environment import FloatArray
 from physics.kernels.compiled import compiled
 
 MASS = 1.0
 LENGTH = 1.0
-HALF_LENGTH = 0.5
 INERTIA = 1.0
 GRAVITY = 9.8
 DT = 0.2
-
-COUPLING = MASS * LENGTH * HALF_LENGTH
-D2 = MASS * HALF_LENGTH**2 + INERTIA
-WEIGHT1 = (MASS * HALF_LENGTH + MASS * LENGTH) * GRAVITY
-WEIGHT2 = MASS * HALF_LENGTH * GRAVITY
 
 # (c_i dt, 6 b_i) of each stage
 STAGES = ((0.0, 1.0), (DT / 2.0, 2.0), (DT / 2.0, 2.0), (DT, 1.0))
@@ -45,68 +41,114 @@ STAGES = ((0.0, 1.0), (DT / 2.0, 2.0), (DT / 2.0, 2.0), (DT, 1.0))
 State = tuple[float, float, float, float]
 
 
+class Links(NamedTuple):
+    """What the motion has of the parameters."""
+
+    mass: float
+    inertia: float
+    """About the middle of a link."""
+    squares: float
+    """l^2 + lc^2"""
+    product: float
+    """l lc"""
+    half_square: float
+    """lc^2"""
+    coupling: float
+    """m l lc"""
+    end_inertia: float
+    """m lc^2 + I"""
+    weight1: float
+    """(m lc + m l) g"""
+    weight2: float
+    """m lc g"""
+
+
+def links(gravity: float, length: float, mass: float, inertia: float) -> Links:
+    """The links with these parameters."""
+    half = 0.5 * length
+    return Links(
+        mass,
+        inertia,
+        length**2 + half**2,
+        length * half,
+        half**2,
+        mass * length * half,
+        mass * half**2 + inertia,
+        (mass * half + mass * length) * gravity,
+        mass * half * gravity,
+    )
+
+
+links_of = compiled(links)
+USUAL = links(GRAVITY, LENGTH, MASS, INERTIA)
+D2, WEIGHT1, WEIGHT2 = USUAL.end_inertia, USUAL.weight1, USUAL.weight2
+
+
 @compiled
-def inertias(cos2: float) -> tuple[float, float]:
+def inertias(cos2: float, links: Links = USUAL) -> tuple[float, float]:
     """d1 and d2."""
-    reach = LENGTH**2 + HALF_LENGTH**2 + 2.0 * LENGTH * HALF_LENGTH * cos2
-    d1 = MASS * HALF_LENGTH**2 + MASS * reach + INERTIA + INERTIA
-    d2 = MASS * (HALF_LENGTH**2 + LENGTH * HALF_LENGTH * cos2) + INERTIA
+    mass, inertia = links.mass, links.inertia
+    reach = links.squares + 2.0 * links.product * cos2
+    d1 = mass * links.half_square + mass * reach + inertia + inertia
+    d2 = mass * (links.half_square + links.product * cos2) + inertia
     return d1, d2
 
 
 @compiled
-def loads(s: State, sin2: float) -> tuple[float, float]:
+def loads(s: State, sin2: float, links: Links) -> tuple[float, float]:
     """phi1 and phi2."""
     theta1, theta2, omega1, omega2 = s
-    phi2 = WEIGHT2 * math.cos(theta1 + theta2 - math.pi / 2.0)
+    phi2 = links.weight2 * math.cos(theta1 + theta2 - math.pi / 2.0)
     phi1 = (
-        -COUPLING * omega2**2 * sin2
-        - 2.0 * COUPLING * omega2 * omega1 * sin2
-        + WEIGHT1 * math.cos(theta1 - math.pi / 2.0)
+        -links.coupling * omega2**2 * sin2
+        - 2.0 * links.coupling * omega2 * omega1 * sin2
+        + links.weight1 * math.cos(theta1 - math.pi / 2.0)
         + phi2
     )
     return phi1, phi2
 
 
 @compiled
-def accelerations(s: State, torque: float) -> tuple[float, float]:
+def accelerations(s: State, torque: float, links: Links = USUAL) -> tuple[float, float]:
     """alpha1 and alpha2."""
     sin2 = math.sin(s[1])
-    d1, d2 = inertias(math.cos(s[1]))
-    phi1, phi2 = loads(s, sin2)
-    driving = torque + d2 / d1 * phi1 - COUPLING * s[2] ** 2 * sin2 - phi2
-    alpha2 = driving / (D2 - d2**2 / d1)
+    d1, d2 = inertias(math.cos(s[1]), links)
+    phi1, phi2 = loads(s, sin2, links)
+    driving = torque + d2 / d1 * phi1 - links.coupling * s[2] ** 2 * sin2 - phi2
+    alpha2 = driving / (links.end_inertia - d2**2 / d1)
     return -(d2 * alpha2 + phi1) / d1, alpha2
 
 
 @compiled
-def acceleration_slopes(s: State, torque: float, slopes: FloatArray) -> tuple[float, float]:
+def acceleration_slopes(
+    s: State, torque: float, slopes: FloatArray, links: Links
+) -> tuple[float, float]:
     """Fill `slopes [2, 5]` with the derivatives of (alpha1, alpha2) in (s, u); return both."""
     theta1, theta2, omega1, omega2 = s
     sin2, cos2 = math.sin(theta2), math.cos(theta2)
-    d1, d2 = inertias(cos2)
-    phi1, _ = loads(s, sin2)
-    alpha1, alpha2 = accelerations(s, torque)
+    d1, d2 = inertias(cos2, links)
+    phi1, _ = loads(s, sin2, links)
+    alpha1, alpha2 = accelerations(s, torque, links)
     share = d2 / d1
-    lever = D2 - d2**2 / d1
+    lever = links.end_inertia - d2**2 / d1
 
     # The inertias depend on theta2 alone.
-    d1_slope, d2_slope = -2.0 * COUPLING * sin2, -COUPLING * sin2
+    d1_slope, d2_slope = -2.0 * links.coupling * sin2, -links.coupling * sin2
     share_slope = (d2_slope - share * d1_slope) / d1
     lever_slope = -(d2_slope * share + d2 * share_slope)
 
-    phi2_slope = WEIGHT2 * math.cos(theta1 + theta2)
+    phi2_slope = links.weight2 * math.cos(theta1 + theta2)
     phi1_slopes = (
-        WEIGHT1 * math.cos(theta1) + phi2_slope,
-        -COUPLING * omega2 * (omega2 + 2.0 * omega1) * cos2 + phi2_slope,
-        -2.0 * COUPLING * omega2 * sin2,
-        -2.0 * COUPLING * (omega1 + omega2) * sin2,
+        links.weight1 * math.cos(theta1) + phi2_slope,
+        -links.coupling * omega2 * (omega2 + 2.0 * omega1) * cos2 + phi2_slope,
+        -2.0 * links.coupling * omega2 * sin2,
+        -2.0 * links.coupling * (omega1 + omega2) * sin2,
         0.0,
     )
     other_slopes = (
         -phi2_slope,
-        share_slope * phi1 - COUPLING * omega1**2 * cos2 - phi2_slope - alpha2 * lever_slope,
-        -2.0 * COUPLING * omega1 * sin2,
+        share_slope * phi1 - links.coupling * omega1**2 * cos2 - phi2_slope - alpha2 * lever_slope,
+        -2.0 * links.coupling * omega1 * sin2,
         0.0,
         1.0,
     )
@@ -129,12 +171,12 @@ def moved(s: State, rate: State, time: float) -> State:
 
 
 @compiled
-def advance(s: State, torque: float) -> State:
+def advance(s: State, torque: float, links: Links = USUAL) -> State:
     """The state one Runge-Kutta step later."""
     k, total = (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)
     for reach, weight in STAGES:
         here = moved(s, k, reach)
-        alpha1, alpha2 = accelerations(here, torque)
+        alpha1, alpha2 = accelerations(here, torque, links)
         k = (here[2], here[3], alpha1, alpha2)
         total = moved(total, k, weight)
     return moved(s, total, DT / 6.0)
@@ -142,7 +184,12 @@ def advance(s: State, torque: float) -> State:
 
 @compiled
 def advance_slopes(
-    s: State, torque: float, slopes: FloatArray, stage: FloatArray, jacobian: FloatArray
+    s: State,
+    torque: float,
+    slopes: FloatArray,
+    stage: FloatArray,
+    jacobian: FloatArray,
+    links: Links,
 ) -> State:
     """`advance`, to the same bits, with its derivatives in (s, u) in `jacobian [4, 5]`.
 
@@ -155,7 +202,7 @@ def advance_slopes(
     k, total = (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)
     for reach, weight in STAGES:
         here = moved(s, k, reach)
-        alpha1, alpha2 = acceleration_slopes(here, torque, slopes)
+        alpha1, alpha2 = acceleration_slopes(here, torque, slopes, links)
         k = (here[2], here[3], alpha1, alpha2)
         total = moved(total, k, weight)
         for column in range(5):

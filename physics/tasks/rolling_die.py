@@ -1,6 +1,7 @@
 """RollingDie: a die is thrown and turns itself in flight to bounce to a target (Tan, section 4).
 
-    s = (x, y, theta, vx, vy, omega),   alpha = 6 clip(a),   0.02 s of impacts.die_motion a step
+    s = (x, y, theta, vx, vy, omega),   alpha = 6 u_max clip(a)
+    s'  by 0.02 s of impacts.die_motion
     r = -sqrt((x' - 5)^2 + (y' - 0.5)^2 + 1e-4)
 
 Glossary:
@@ -8,7 +9,8 @@ Glossary:
     theta      its angle (rad, stored unwrapped)
     vx, vy     velocity of the centre (m/s)
     omega      angular velocity (rad/s)
-    a          torque (N m), which turns the die in flight but cannot tip or roll a lying one
+    u_max      the greatest torque, 1 N m
+    a          torque as a share of it: turns the die in flight, but cannot tip or roll a lying one
 
 A square die of side 1 m and mass 1 kg. Impacts move in time with the state, and their derivative
 with them, so Jacobians are exact through any number of bounces; near glancing touches they are
@@ -36,7 +38,17 @@ from physics.environment import (
     Pieces,
     clip_sides,
 )
-from physics.impacts.die_motion import MAX_CONTACTS, QUARTER_TURN, REACH, lever, move
+from physics.impacts.die_motion import (
+    FRICTION,
+    GRAVITY,
+    MAX_CONTACTS,
+    QUARTER_TURN,
+    REACH,
+    RESTITUTION,
+    Laws,
+    lever,
+    move,
+)
 from physics.impacts.flying_body import ALPHA, COLUMNS, ROWS, TIME, FlyingBody, start_tangent
 from physics.impacts.impulse import SLIDE
 from physics.impacts.trace import (
@@ -53,9 +65,11 @@ from physics.impacts.trace import (
     report_of,
 )
 from physics.kernels.compiled import compiled
+from physics.parameter import Parameter, WithParameters
 
 DT = 0.02
 TORQUE_GAIN = 6.0  # 1 N m over the inertia, 1/6 kg m^2
+MAX_TORQUE = 1.0
 TARGET_X = 5.0
 TARGET_Y = 0.5
 SOFTNESS = 1e-4  # m^2, rounds the tip of the distance to the target
@@ -86,9 +100,15 @@ def body_of(state: FloatArray) -> FlyingBody:
 
 
 @compiled
-def angular_acceleration(a: float) -> float:
-    """What a torque of `a` N m does to the die (rad/s^2)."""
-    return TORQUE_GAIN * min(max(a, -1.0), 1.0)
+def laws_of(p: FloatArray) -> tuple[Laws, float]:
+    """How a die with these parameters falls, and what the greatest torque does to it (rad/s^2)."""
+    return Laws(p[0], p[1], p[2]), TORQUE_GAIN * p[3]
+
+
+@compiled
+def angular_acceleration(gain: float, a: float) -> float:
+    """What the torque of an action does to the die (rad/s^2)."""
+    return gain * min(max(a, -1.0), 1.0)
 
 
 @compiled
@@ -123,6 +143,7 @@ def target_distance(x: float, y: float) -> float:
 
 @compiled
 def step_rows(
+    p: FloatArray,
     states: FloatArray,
     actions: FloatArray,
     next_states: FloatArray,
@@ -130,9 +151,10 @@ def step_rows(
     terminated: BoolArray,
 ) -> int:
     """Step every row; see `Environment.step_kernel`."""
+    laws, gain = laws_of(p)
     for row in range(states.shape[0]):
-        alpha = angular_acceleration(actions[row, 0])
-        body = move(body_of(states[row]), None, None, alpha)
+        alpha = angular_acceleration(gain, actions[row, 0])
+        body = move(body_of(states[row]), None, None, alpha, laws)
         if not arrive(body, next_states[row]):
             return row
         rewards[row] = -target_distance(body.x, body.y)
@@ -142,6 +164,7 @@ def step_rows(
 
 @compiled
 def differentiate_rows(
+    p: FloatArray,
     states: FloatArray,
     actions: FloatArray,
     next_states: FloatArray,
@@ -157,40 +180,45 @@ def differentiate_rows(
     reward_state_gradients[:] = 0.0
     reward_action_gradients[:] = 0.0
     reward_next_state_gradients[:] = 0.0
-    tangent = np.empty((ROWS, COLUMNS))
+    tangent, (laws, gain) = np.empty((ROWS, COLUMNS)), laws_of(p)
     for row in range(states.shape[0]):
         start_tangent(tangent)
-        alpha = angular_acceleration(actions[row, 0])
-        body = move(body_of(states[row]), tangent, None, alpha)
+        alpha = angular_acceleration(gain, actions[row, 0])
+        body = move(body_of(states[row]), tangent, None, alpha, laws)
         if not arrive(body, next_states[row]):
             return row
         distance = target_distance(body.x, body.y)
         rewards[row] = -distance
         terminated[row] = False
-        gain = TORQUE_GAIN if abs(actions[row, 0]) <= 1.0 else 0.0
+        slope = gain if abs(actions[row, 0]) <= 1.0 else 0.0
         for i in range(TIME):
             for j in range(TIME):
                 state_jacobians[row, i, j] = tangent[i, j]
-            action_jacobians[row, i, 0] = gain * tangent[i, ALPHA]
+            action_jacobians[row, i, 0] = slope * tangent[i, ALPHA]
         reward_next_state_gradients[row, 0] = (TARGET_X - body.x) / distance
         reward_next_state_gradients[row, 1] = (TARGET_Y - body.y) / distance
     return -1
 
 
 @compiled
-def trace_rows(states: FloatArray, actions: FloatArray, traces: FloatArray) -> None:
+def trace_rows(p: FloatArray, states: FloatArray, actions: FloatArray, traces: FloatArray) -> None:
     """Fill the trace [MAX_CONTACTS, FIELDS], all 0 at first, of every row's step."""
+    laws, gain = laws_of(p)
     for row in range(states.shape[0]):
-        move(body_of(states[row]), None, traces[row], angular_acceleration(actions[row, 0]))
+        alpha = angular_acceleration(gain, actions[row, 0])
+        move(body_of(states[row]), None, traces[row], alpha, laws)
 
 
 @compiled
-def piece_rows(states: FloatArray, actions: FloatArray, regimes: IntArray, codes: IntArray) -> None:
+def piece_rows(
+    p: FloatArray, states: FloatArray, actions: FloatArray, regimes: IntArray, codes: IntArray
+) -> None:
     """Fill the regime and the branch code of every row's step."""
-    trace = np.empty((MAX_CONTACTS, FIELDS))
+    trace, (laws, gain) = np.empty((MAX_CONTACTS, FIELDS)), laws_of(p)
     for row in range(states.shape[0]):
         trace[:] = 0.0
-        move(body_of(states[row]), None, trace, angular_acceleration(actions[row, 0]))
+        alpha = angular_acceleration(gain, actions[row, 0])
+        move(body_of(states[row]), None, trace, alpha, laws)
         regimes[row] = regime_of(trace)
         codes[row] = branch_code(trace)
 
@@ -225,6 +253,7 @@ class RollingDie(Environment):
     max_reward = 0.0
     step_seconds = DT
     angles = MappingProxyType({2: 4})
+    noise_factors = MappingProxyType({0: 0.0, 1: 0.0, 2: 0.0})  # a corner would enter the ground
     regimes = (
         "flight",
         "flight, clipped",
@@ -238,8 +267,14 @@ class RollingDie(Environment):
         "lying, stopping",
         "lying, sliding",
     )
-    step_kernel = staticmethod(step_rows)
-    differentiate_kernel = staticmethod(differentiate_rows)
+    gravity = Parameter(GRAVITY, "m/s^2", least=0.1, greatest=100.0, meaning="gravity")
+    friction = Parameter(FRICTION, "1", least=0.01, greatest=2.0, meaning="of die and ground")
+    restitution = Parameter(RESTITUTION, "1", least=0.0, greatest=1.0, meaning="of an impact")
+    max_torque = Parameter(
+        MAX_TORQUE, "N m", least=0.0, greatest=20.0, meaning="the greatest torque"
+    )
+    step_kernel = WithParameters(step_rows)
+    differentiate_kernel = WithParameters(differentiate_rows)
 
     def initial_state(self, generator: np.random.Generator) -> FloatArray:
         """Thrown from 3 to 4 m above the ground, 5 m from the target, at any angle."""
@@ -263,7 +298,7 @@ class RollingDie(Environment):
         """Every branch that every contact of the step took, and the clip of the torque."""
         states, actions = self._checked(states, actions)
         regime, code = np.empty(len(states), np.int64), np.empty(len(states), np.int64)
-        piece_rows(states, actions, regime, code)
+        piece_rows(self.parameter_values, states, actions, regime, code)
         clipped = clip_sides(actions)[:, 0]
         regime[(regime == FLIGHT) & (clipped != 0)] = CLIPPED
         return Pieces(regime, np.stack([code, clipped], axis=1))
@@ -276,7 +311,7 @@ class RollingDie(Environment):
         """
         states, actions = self._checked(states, actions)
         traces = np.zeros((len(states), MAX_CONTACTS, FIELDS))
-        trace_rows(states, actions, traces)
+        trace_rows(self.parameter_values, states, actions, traces)
         return report_of(traces, DT)
 
     def contact_impulses(self, states: FloatArray, actions: FloatArray) -> list[FloatArray]:

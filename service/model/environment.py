@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
 import physics
+from physics import noise
 from physics.catalogue import EXTRAS, OWN, unknown_task
 from physics.parameter import Parameter, checked, declared, label, parse
 from physics.task_file import Reference, make_all
@@ -32,7 +33,7 @@ class EnvironmentFacts:
     regimes: tuple[str, ...]
     """The kinds of step that its gradient audit reports apart."""
     parameters: tuple[Parameter, ...]
-    """Its physical parameters, as it declares them."""
+    """Its physical parameters, as it declares them, and those of noise."""
     file: str = ""
     """The name of the task file that it comes from; empty for an installed task."""
 
@@ -50,7 +51,7 @@ class EnvironmentFacts:
             max_reward=environment.max_reward,
             reward_is_differentiable=environment.reward_is_differentiable,
             regimes=environment.regimes,
-            parameters=tuple(declared(type(environment)).values()),
+            parameters=(*declared(type(environment)).values(), *noise.PARAMETERS),
         )
 
     @property
@@ -113,7 +114,8 @@ def environment_facts(environment: str) -> EnvironmentFacts:
     """
     name, values = parse(environment)
     facts = _Told.of_files.get(name) or _installed_facts(name)
-    checked(name, facts.parameters, values)
+    if noise.is_noisy(checked(name, facts.parameters, values)):
+        return replace(facts, state_size=facts.state_size + noise.PLACE)
     return facts
 
 

@@ -12,6 +12,7 @@ from algorithms.measurement import Measurement
 from algorithms.state import Saved, State
 
 TIMESTEPS = 1_600
+NOISY = "Pendulum(observation_noise=0.1, process_noise=0.1)"
 # name, environment, weights, config: a ring that wraps, ends by time, ends by themselves
 CASES: list[tuple[str, str, tuple[float, float], dict[str, Any]]] = [
     ("ddpg", "Pendulum", (0.0, 0.0), {"time_limit_is_terminal": True}),
@@ -20,6 +21,7 @@ CASES: list[tuple[str, str, tuple[float, float], dict[str, Any]]] = [
     ("hybrid-ddpg", "CartPole", (0.1, 0.01), {}),
     ("sac", "Pendulum", (0.0, 0.0), {}),
     ("hybrid-sac", "CartPole", (0.1, 0.01), {"replay_size": 250}),
+    ("hybrid-ddpg", NOISY, (0.1, 0.01), {"replay_size": 250}),
 ]
 
 
@@ -117,6 +119,9 @@ def test_a_state_of_other_settings_is_refused() -> None:
         ("ppo", "Pendulum", {"environments": 3, "window": 70, "epochs": 2, "batches": 4}),
         ("mpc", "Pendulum", {"horizon": 10, "iterations": 3}),
         ("mpc", "MassPoint", {"horizon": 8, "iterations": 3}),
+        ("mpc", NOISY, {"horizon": 10, "iterations": 3}),
+        ("gd", NOISY, {"episodes": 2}),
+        ("ppo", NOISY, {"environments": 3, "window": 70, "epochs": 2, "batches": 4}),
     ],
 )
 def test_those_without_a_replay_taken_up_at_different_moments_go_on_to_the_same_bits(

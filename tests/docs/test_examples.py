@@ -38,6 +38,8 @@ def test_every_page_with_python_is_run() -> None:
 def test_what_a_page_shows_runs(document: str, tmp_path: Path) -> None:
     script = tmp_path / "shown.py"
     script.write_text("".join(blocks(ROOT / document, "python")))
+    guide = blocks(ROOT / "docs" / "add-a-task.md", "python")  # its first is a file of a task
+    (tmp_path / "van_der_pol.py").write_text(guide[0])
     answer = subprocess.run(
         [sys.executable, "-W", "error", script],
         capture_output=True,

@@ -9,7 +9,7 @@ import torch
 from torch.func import grad, jacfwd, jacrev, jvp, vmap
 
 import physics
-from physics.environment import Environment, NotFiniteError
+from physics.environment import Environment, NoisyEnvironment, NotFiniteError
 from tests.physics.small_tasks import LogOfNegative
 from tests.physics.test_torch_environment import MODES, WithLinearAlgebra
 
@@ -35,6 +35,16 @@ def episode_return(
 def task(request: pytest.FixtureRequest) -> Environment:
     """One compiled, one of torch functions."""
     return physics.make("Pendulum") if request.param == "Pendulum" else WithLinearAlgebra()
+
+
+@pytest.fixture(params=["Pendulum", "WithLinearAlgebra", "MountainCar"])
+def noisy(request: pytest.FixtureRequest) -> NoisyEnvironment:
+    """The same with noise, and one whose noise meets its bounds."""
+    given = {"process_noise": 0.2, "observation_noise": 0.1}
+    own = WithLinearAlgebra() if request.param == "WithLinearAlgebra" else None
+    task = (own or physics.make(request.param)).with_parameters(**given)
+    assert isinstance(task, NoisyEnvironment)
+    return task
 
 
 @pytest.fixture
@@ -243,3 +253,58 @@ def test_a_step_that_leaves_the_numbers_is_refused_by_row() -> None:
     with pytest.raises(NotFiniteError) as caught:
         physics.torch_step(LogOfNegative(), states, torch.zeros((2, 1)))
     assert caught.value.rows == (1,)
+
+
+def test_with_noise_a_step_and_its_derivatives_are_those_of_the_simulator(
+    noisy: NoisyEnvironment, actions: torch.Tensor
+) -> None:
+    states = torch.from_numpy(noisy.initial_states(range(3)))
+    found = noisy.differentiate(states.numpy(), actions.numpy())
+    step = physics.torch_step(noisy, states, actions)
+    for one, other in zip(step, found.transition, strict=True):
+        np.testing.assert_array_equal(one.numpy(), other)
+
+    def following(state: torch.Tensor, action: torch.Tensor) -> torch.Tensor:
+        return physics.torch_step(noisy, state[None], action[None]).next_state[0]
+
+    for jacobian in (jacrev, jacfwd):
+        by_state, by_action = vmap(jacobian(following, argnums=(0, 1)))(states, actions)
+        np.testing.assert_allclose(by_state, found.state_jacobian, rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(by_action, found.action_jacobian, rtol=1e-12, atol=1e-12)
+
+
+def test_the_deviation_of_process_noise_has_a_gradient(
+    noisy: NoisyEnvironment, actions: torch.Tensor
+) -> None:
+    places = torch.from_numpy(noisy.initial_states(range(3)))
+    own, n = places[:, : noisy.task.state_size].clone().requires_grad_(), noisy.task.state_size
+
+    def step(
+        own: torch.Tensor, actions: torch.Tensor, deviation: torch.Tensor
+    ) -> tuple[torch.Tensor, torch.Tensor]:
+        states = torch.cat([own, places[:, n:]], dim=1)
+        return physics.torch_step(noisy, states, actions, {"process_noise": deviation})[:2]
+
+    deviation = torch.tensor(0.03, dtype=torch.float64, requires_grad=True)
+    rows = own, actions.requires_grad_(), deviation
+    assert torch.autograd.gradcheck(step, rows, rtol=1e-5, atol=1e-6)
+
+
+def test_no_noise_given_as_a_tensor_is_the_task_without() -> None:
+    task, rows = physics.make("Pendulum"), (torch.zeros(1, 2), torch.zeros(1, 1))
+    given = {"process_noise": torch.tensor(0.0), "mass": torch.tensor(1.0)}
+    assert torch.equal(
+        physics.torch_step(task, *rows, given).next_state,
+        physics.torch_step(task, *rows).next_state,
+    )
+
+
+def test_a_torch_task_with_noise_has_second_derivatives(actions: torch.Tensor) -> None:
+    task = WithLinearAlgebra().with_parameters(process_noise=0.1)
+    states = torch.from_numpy(task.initial_states(range(3)))
+
+    def score_of(action: torch.Tensor) -> torch.Tensor:
+        return physics.torch_step(task, states[:1], action[None]).next_state.pow(2).sum()
+
+    assert torch.func.hessian(score_of)(actions[0]).shape == (1, 1)
+    assert torch.autograd.gradgradcheck(score_of, actions[0].clone().requires_grad_())

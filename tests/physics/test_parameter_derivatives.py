@@ -8,14 +8,15 @@ import physics
 from physics.autograd import torch_step
 from physics.environment import Environment
 from physics.parameter import Parameter, declared, number_text
+from physics.parameter_differences import by_differences
 from physics.randomness import generator
 from tests.docs.pages import ROOT
 from tests.physics.small_tasks import Plain
 
 TASKS = [name for name in physics.names() if declared(type(physics.make(name)))]
-DIFFERENTIABLE = [name for name in TASKS if physics.make(name).parameter_kernel is not None]
+EXACT = [name for name in TASKS if physics.make(name).parameter_kernel is not None]
 every_task = pytest.mark.parametrize("name", TASKS)
-every_differentiable_task = pytest.mark.parametrize("name", DIFFERENTIABLE)
+every_exact_task = pytest.mark.parametrize("name", EXACT)
 
 
 class Spring(Plain):
@@ -43,30 +44,38 @@ def inner(task: Environment, count: int = 64) -> tuple[torch.Tensor, torch.Tenso
     return torch.from_numpy(states[rows]), torch.from_numpy(actions[rows])
 
 
+def moved(task: Environment) -> Environment:
+    """The task a little away from its defaults, where BallWall's number of substeps changes."""
+    return task.with_parameters(**{name: 1.01 * value for name, value in task.parameters.items()})
+
+
 def values_of(task: Environment) -> list[torch.Tensor]:
     """Values a little away from the defaults."""
     values = [1.01 * value for value in task.parameters.values()]
     return [torch.tensor(value, dtype=torch.float64, requires_grad=True) for value in values]
 
 
-@pytest.mark.parametrize("name", [*DIFFERENTIABLE, "Spring"])
+@pytest.mark.parametrize("name", [*TASKS, "Spring"])
 def test_gradients_in_parameters_states_and_actions_are_those_of_differences(name: str) -> None:
     task = Spring() if name == "Spring" else physics.make(name)
-    states, actions = inner(task, 8)
+    is_quick = name in ("Spring", *EXACT)
+    states, actions = inner(task, 8 if is_quick else 2)
 
     def step(
         states: torch.Tensor, actions: torch.Tensor, *values: torch.Tensor
-    ) -> tuple[torch.Tensor, torch.Tensor]:
+    ) -> tuple[torch.Tensor, ...]:
         given = dict(zip(task.parameters, values, strict=True))
-        return torch_step(task, states, actions, given)[:2]
+        found = torch_step(task, states, actions, given)
+        return found[:2] if task.reward_is_differentiable else found[:1]
 
     rows = states.requires_grad_(), actions.requires_grad_()
-    assert torch.autograd.gradcheck(step, (*rows, *values_of(task)), rtol=1e-5, atol=1e-6)
+    inputs = (*rows, *values_of(task))
+    assert torch.autograd.gradcheck(step, inputs, rtol=1e-5, atol=1e-6, fast_mode=not is_quick)
 
 
-@every_differentiable_task
+@every_exact_task
 def test_every_row_has_the_derivatives_of_differences(name: str) -> None:
-    task = physics.make(name)
+    task = moved(physics.make(name))
     states, actions = (each.numpy() for each in inner(task))
     found = task.differentiate_parameters(states, actions)
     for j, (parameter, value) in enumerate(task.parameters.items()):
@@ -81,6 +90,28 @@ def test_every_row_has_the_derivatives_of_differences(name: str) -> None:
         through = np.einsum("bi,bi->b", held, found.next_state[..., j])
         slope = (up.reward - down.reward) / (2 * width)
         np.testing.assert_allclose(found.reward[:, j] + through, slope, rtol=1e-6, atol=1e-7)
+
+
+@every_exact_task
+def test_differences_tell_what_is_exact_of_every_smooth_piece_but_kinks(name: str) -> None:
+    task = moved(physics.make(name))
+    states, actions = task.sample(generator(0, "parameters"), 200)
+    exact, found = (
+        task.differentiate_parameters(states, actions),
+        by_differences(task, states, actions)[0],
+    )
+    scale = 1.0 + np.abs(exact.next_state).max(axis=(1, 2), keepdims=True)
+    errors = (np.abs(found - exact.next_state) / scale).max(axis=(1, 2))
+    assert np.quantile(errors, 0.95) < 1e-8
+
+
+def test_differences_stay_within_the_range_of_a_parameter() -> None:
+    for gravity in (0.0, 100.0):
+        task = physics.make("Pendulum", gravity=gravity)
+        states, actions = (each.numpy() for each in inner(task, 8))
+        found, _ = by_differences(task, states, actions)
+        exact = task.differentiate_parameters(states, actions).next_state
+        np.testing.assert_allclose(found, exact, rtol=1e-8, atol=1e-8)
 
 
 @every_task

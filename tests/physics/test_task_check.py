@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import torch
 
+from physics.drawing import Drawing, disc
 from physics.environment import FloatArray
 from tests.algorithms.probes import Bandit
 from tests.physics.small_tasks import Plain
@@ -224,3 +225,30 @@ def test_start_states_of_compiled_tasks_are_checked_as_they_are_drawn() -> None:
 
     with pytest.raises(ValueError, match=r"an initial state must be float64 \[1\], not float64"):
         Short().initial_states([0])
+
+
+class Undrawn(Plain):
+    """Draws nothing, or not what it must."""
+
+    name = "Undrawn"
+
+    def draw(self, state: FloatArray) -> Drawing:
+        raise NotImplementedError("nothing to see")
+
+
+def test_a_drawing_is_tried_when_a_task_is_made() -> None:
+    class Broken(Plain):
+        def draw(self, state: FloatArray) -> Drawing:
+            return Drawing((0.0, 0.0, 1.0, 1.0), (disc((float(state[2]), 0.0), 0.1, "body"),))
+
+    class Picture(Plain):
+        def draw(self, state: FloatArray) -> Drawing:
+            return "a picture"  # type: ignore[return-value]
+
+    with pytest.raises(ValueError, match="- draw raised IndexError: index 2 is out of bounds"):
+        Broken()
+    with pytest.raises(
+        ValueError, match=r"- draw must return a physics\.drawing\.Drawing, not 'a p"
+    ):
+        Picture()
+    assert Undrawn().name == "Undrawn"

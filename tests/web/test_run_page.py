@@ -115,8 +115,28 @@ def test_the_catalogue_shows_audits_and_settings(signed_in: Page, live: LiveServ
     card = signed_in.get_by_role("article").filter(
         has=signed_in.get_by_text("hybrid-ddpg", exact=True)
     )
+    parameters = signed_in.get_by_role("region", name="What may be given to environments")
+    expect(parameters).to_contain_text(re.compile(r"Pendulum\s*gravity\s*10 m/s\^2\s*0 to 100"))
+    expect(parameters.get_by_text("every environment")).to_have_count(2)
     card.get_by_text("Presets").click()
     expect(card.get_by_role("region", name="Presets of hybrid-ddpg")).to_contain_text("Pendulum")
+    assert violations(signed_in) == []
+
+
+def test_the_parameters_of_a_runs_task_are_shown_and_its_returns_scaled(
+    signed_in: Page, live: LiveService
+) -> None:
+    task = "Pendulum(gravity=9.81, process_noise=0.1)"
+    sweep = live.add_sweep(environments=(task,))
+    live.train(0, 4000)
+    signed_in.goto(f"{live.url}/runs/{sweep.id}-0")
+    parameters = signed_in.locator("#parameters div")
+    expect(parameters.filter(has_text="gravity")).to_have_text("gravity9.81 m/s^2 given")
+    expect(parameters.filter(has_text="length")).to_have_text("length1 m")
+    expect(parameters.filter(has_text="process_noise")).to_have_text("process_noise0.1 given")
+    expect(parameters).to_have_count(5)
+    scaled = signed_in.locator("#key-figures div").filter(has_text=re.compile("^normalised"))
+    expect(scaled).not_to_contain_text("–")
     assert violations(signed_in) == []
 
 

@@ -60,7 +60,7 @@ class AuditAnswer(BaseModel):
 
 
 class ParameterAnswer(BaseModel):
-    """A physical parameter of an environment."""
+    """A physical parameter of an environment, or a deviation of its noise."""
 
     name: str
     unit: str = Field(description='"1" for a number without one.')
@@ -68,6 +68,7 @@ class ParameterAnswer(BaseModel):
     least: float
     greatest: float
     meaning: str
+    of_every_task: bool = Field(description="Whether all environments have it, as those of noise.")
 
 
 class EnvironmentAnswer(BaseModel):

@@ -18,6 +18,7 @@ CASES = [
     ("ddpg", "HalfCheetah", {"hidden_layers": 3, "hidden_units": 32, "activation": "elu"}),
     ("sac", "RollingDie", {"activation": "silu"}),
     ("td3", "CartPole", {"hidden_layers": 1, "activation": "relu"}),
+    ("ddpg", "Pendulum(process_noise=0.1)", {}),
 ]
 
 
@@ -45,6 +46,16 @@ def test_numpy_torch_and_evaluation_agree(
     with torch.no_grad():
         assert_close(of_features(torch.tensor(features)), actions)
         assert_close(of_states(torch.tensor(states)), actions)
+
+
+def test_a_policy_acts_on_what_it_is_given_whatever_the_noise_it_was_trained_with() -> None:
+    environment = "Pendulum(observation_noise=0.1, process_noise=0.2)"
+    policy = policy_by(learner_of("ddpg", environment), environment)
+    state = physics.make(environment).initial_states([0])[0]
+    exact = physics.make("Pendulum").features(state[None, :2])[0]
+    np.testing.assert_array_equal(policy.act_in(state), policy.act(exact))
+    given = policy.header.parameters
+    assert (given["process_noise"], given["observation_noise"], given["mass"]) == (0.2, 0.1, 1.0)
 
 
 def test_the_module_is_differentiable_and_draws_no_random_numbers() -> None:

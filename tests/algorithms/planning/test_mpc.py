@@ -125,6 +125,26 @@ def test_the_last_measurement_is_what_the_episode_earned() -> None:
     assert last[-1].diagnostics["collected_return"] == last[-1].return_mean
 
 
+def test_it_plans_without_the_noise_and_acts_with_it() -> None:
+    task = physics.make("Pendulum", process_noise=0.05, observation_noise=5.0)
+    learner = MPCLearner(task, [3, 4], HOUR, MPCConfig(horizon=10, iterations=2))
+    planner, exact = learner._planner, task.without_noise()
+    last: dict[int, Measurement] = {}
+    while not learner.finished:
+        now, actions = int(learner._times.min()), planner.episodes.actions
+        last |= {m.seed: m for m in learner.advance() if isinstance(m, Measurement)}
+        if learner.seeds and now % 50 == 40:  # what is ahead of it follows without noise
+            here = np.ascontiguousarray(planner.episodes.states[:, now + 1])
+            ahead = exact.step(here, np.ascontiguousarray(actions[:, now + 1])).next_state
+            np.testing.assert_array_equal(planner.episodes.states[:, now + 2], ahead)
+    for row, seed in enumerate([3, 4]):
+        state, total = start(task, seed)[None], 0.0
+        for t in range(task.horizon):
+            step = task.step(state, actions[row : row + 1, t].copy())
+            state, total = step.next_state, total + float(step.reward[0])
+        assert last[seed].return_mean == pytest.approx(total, rel=1e-12)
+
+
 def test_a_run_has_the_same_bits_alone_in_a_cohort_and_after_others_are_dropped() -> None:
     def curves(seeds: list[int], dropped: list[int]) -> list[tuple[object, ...]]:
         learner = algorithms.build("mpc", "Pendulum", seeds, (0, 0), 20_000, {"horizon": 25})

@@ -41,6 +41,18 @@ def test_a_right_task_passes() -> None:
     assert all(0.0 < row.median <= row.worst < 1e-6 for row in rows[:2])
 
 
+@pytest.mark.parametrize("rounding", [3.99e-13, 4e-13])
+def test_the_greatest_rounding_that_a_task_may_have_is_audited(rounding: float) -> None:
+    class Rough(Pendulum):
+        pass
+
+    Rough.rounding = rounding
+    assert all(row.passed(50) for row in audit(Rough(), count=50))
+    Rough.rounding = 1.01 * 4e-13
+    with pytest.raises(ValueError, match="rounding must be a number above 0, at most 4e-13"):
+        Rough()
+
+
 def test_a_wrong_derivative_fails_in_its_regime_alone() -> None:
     free, clipped, wall = audit(WrongAtTheWall(), count=100)
     assert free.passed(100)

@@ -14,6 +14,7 @@ from gymnasium.envs.registration import EnvSpec
 
 import physics
 from physics.gym.registration import TaskSpec, identifier, register
+from physics.tasks.pendulum import Pendulum
 
 ROOT = Path(__file__).parents[3]
 
@@ -108,6 +109,32 @@ def test_a_spec_can_be_copied_sent_and_written() -> None:
     assert untouched() != "d3pg/Pendulum-v0"
     given = TaskSpec("d3pg/Pendulum-v0", entry_point="a:b", max_episode_steps=5)
     assert dataclasses.replace(given, entry_point="c:d").max_episode_steps == 5
+
+
+def test_a_task_of_a_file_is_made_by_its_spec(tmp_path: Path) -> None:
+    file = tmp_path / "my_tasks.py"
+    file.write_text(
+        "from physics.tasks.pendulum import Pendulum\n"
+        "class Slow(Pendulum):\n    name = 'own/Slow'\n    horizon = 77\n"
+    )
+    spec = pickle.loads(pickle.dumps(physics.spec_of(f"{file}:Slow")))  # noqa: S301 - our own
+    env = gymnasium.make(spec, gravity=5.0)
+    assert env.spec is not None
+    assert (env.spec.id, env.spec.max_episode_steps) == ("d3pg/own-Slow-v0", 77)
+    assert env.unwrapped.task.label == "own/Slow(gravity=5)"  # type: ignore[attr-defined]
+    assert gymnasium.make(env.spec).spec == env.spec
+    assert gymnasium.make_vec(spec, num_envs=2).reset(seed=0)[0].shape == (2, 3)
+    assert env.spec.id not in gymnasium.registry
+
+
+def test_a_spec_of_a_class_or_an_object() -> None:
+    for task in (Pendulum, physics.make("Pendulum", mass=2.0)):
+        env = gymnasium.make(physics.spec_of(task), max_episode_steps=1000)
+        assert env.spec is not None
+        assert env.spec.max_episode_steps == 1000
+        assert physics.spec_of(task).max_episode_steps == 200
+    with pytest.raises(ValueError, match=r"nowhere\.py cannot be read"):
+        physics.spec_of("nowhere.py:Arm")
 
 
 def test_the_registry_prints() -> None:

@@ -8,6 +8,7 @@ import { algorithmColour } from "../parts/palette.js";
 import { swatch } from "../parts/swatch.js";
 import { count, number } from "../texts/format.js";
 import { settings } from "../texts/schema.js";
+import { quantity } from "../texts/task.js";
 
 const PRESET_HEADS = ["Environment", "w1, w2", "Timesteps", "Settings"];
 const refresh = new Refresh(load, {
@@ -22,6 +23,7 @@ follow("", (kind) => {
 async function load(signal) {
   const catalogue = await get("/catalogue", {}, signal);
   fillEnvironments(catalogue.environments);
+  fillParameters(catalogue.environments);
   at("algorithms").replaceChildren(...catalogue.algorithms.map(algorithmCard));
   at("loading").hidden = true;
   at("body").hidden = false;
@@ -96,6 +98,42 @@ function auditCells(found) {
     ...numbers.map((text) => element("td", { class: "number" }, text)),
     element("td", { class: found.passed ? null : "failed-audit" }, verdict),
   ];
+}
+
+/** @param {Api.Environment[]} environments */
+function fillParameters(environments) {
+  const heads = ["Environment", "Parameter", "Default", "Range", "Meaning"].map((name) =>
+    element("th", { scope: "col" }, name),
+  );
+  const own = environments.flatMap(({ name, parameters }) =>
+    parameters.filter(({ of_every_task }) => !of_every_task).map((one) => parameterRow(name, one)),
+  );
+  const common = (environments[0]?.parameters ?? []).filter(({ of_every_task }) => of_every_task);
+  at("parameters").replaceChildren(
+    element("thead", {}, element("tr", {}, ...heads)),
+    element("tbody", {}, ...own, ...common.map((one) => parameterRow("every environment", one))),
+  );
+}
+
+/**
+ * @param {string} environment
+ * @param {Api.Environment["parameters"][number]} parameter
+ * @returns {HTMLElement}
+ */
+function parameterRow(environment, parameter) {
+  const { name, least, greatest, meaning } = parameter;
+  const texts = [
+    name,
+    quantity(parameter.default, parameter),
+    `${number(least)} to ${number(greatest)}`,
+    meaning,
+  ];
+  return element(
+    "tr",
+    {},
+    element("th", { scope: "row" }, environment),
+    ...texts.map((text) => element("td", {}, text)),
+  );
 }
 
 /**

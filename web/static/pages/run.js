@@ -15,6 +15,7 @@ import {
   contextOf,
   phaseText,
   showKeyFigures,
+  showParameters,
   showSettings,
   showSurroundings,
 } from "../run/context.js";
@@ -112,6 +113,7 @@ function draw() {
   showSurroundings(run, context);
   showKeyFigures(run, context, columns);
   showSettings(run, context);
+  showParameters(run, context);
   const isEmpty = (columns.timestep ?? []).length === 0;
   at("loading").hidden = !isEmpty;
   setText(at("loading"), isEmpty ? phaseText(run) : "");

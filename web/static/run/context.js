@@ -3,6 +3,7 @@ import { get } from "../connection/api.js";
 import { at, element, setText } from "../parts/element.js";
 import { number } from "../texts/format.js";
 import { settings } from "../texts/schema.js";
+import { givenValues, quantity, taskName } from "../texts/task.js";
 
 const MOST_SEEDS = 200;
 
@@ -11,6 +12,7 @@ const MOST_SEEDS = 200;
  * @property {Api.Sweep} sweep
  * @property {Api.ListedRun[]} siblings   of the same entry and task, by seed
  * @property {Api.Panel["random_return"]} random
+ * @property {Api.Environment | undefined} task
  * @property {number | null} best   the return of the largest reward at every step
  * @property {Api.Algorithm | undefined} algorithm
  */
@@ -29,11 +31,12 @@ export async function contextOf(run, signal) {
     get(`/sweeps/${id}/curves`, { run: ordinal, max_points: 2 }, signal),
     get("/catalogue", {}, signal),
   ]);
-  const task = catalogue.environments.find(({ name }) => name === environment);
+  const task = catalogue.environments.find(({ name }) => name === taskName(environment));
   return {
     sweep,
     siblings: runs.items.filter(({ label }) => label === run.label),
     random: curves.panels[0]?.random_return ?? null,
+    task,
     best: task ? task.max_reward * task.horizon : null,
     algorithm: catalogue.algorithms.find(({ name }) => name === algorithm),
   };
@@ -106,6 +109,27 @@ export function showSettings(run, { sweep, algorithm }) {
       const shown = element(from === 0 ? "strong" : "span", {}, text);
       const mark = element("span", { class: "muted" }, origin ? ` ${origin}` : "");
       return element("div", {}, element("dt", {}, name), element("dd", {}, shown, mark));
+    }),
+  );
+}
+
+/**
+ * The physical parameters of the run's task, and its noise where there is any.
+ *
+ * @param {Api.Run} run
+ * @param {Context} context
+ */
+export function showParameters({ environment }, { task }) {
+  const given = givenValues(environment);
+  const shown = (task?.parameters ?? []).filter(({ name, of_every_task }) => !of_every_task || given.has(name));
+  at("parameters-part").hidden = shown.length === 0;
+  at("parameters").replaceChildren(
+    ...shown.map((parameter) => {
+      const isGiven = given.has(parameter.name);
+      const text = quantity(given.get(parameter.name) ?? parameter.default, parameter);
+      const value = element(isGiven ? "strong" : "span", {}, text);
+      const mark = element("span", { class: "muted" }, isGiven ? " given" : "");
+      return element("div", {}, element("dt", {}, parameter.name), element("dd", {}, value, mark));
     }),
   );
 }

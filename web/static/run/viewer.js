@@ -2,6 +2,7 @@
 import { get, refusalOf } from "../connection/api.js";
 import { at, setText, within } from "../parts/element.js";
 import { count, number } from "../texts/format.js";
+import { taskName } from "../texts/task.js";
 import { Player } from "./player.js";
 import { Stage } from "./stage.js";
 import { Surface } from "./surface.js";
@@ -101,7 +102,7 @@ export class Viewer {
     const { environment, states, actions, rewards, contacts, dt } = this.#episode;
     const { step } = this.#player;
     const before = Math.max(0, step - 1); // the step that led here
-    const trailOf = TRAILS.get(environment);
+    const trailOf = TRAILS.get(taskName(environment));
     const past = trailOf ? contacts.slice(0, before) : []; // what a trail leads past
     this.#stage?.draw(step, {
       trail: trailOf ? states.slice(0, step + 1).map(trailOf) : [],
