@@ -94,7 +94,7 @@ class Caller:
     sweeps: frozenset[str] | None = None
 
     def sees(self, sweep_id: str | None) -> bool:
-        """Whether it may see a sweep, or each of several compared; None, of no sweep, it may not."""
+        """Whether it may see a sweep, or all of several; what is of no sweep, None, it may not."""
         if self.sweeps is None:
             return True
         return sweep_id is not None and self.sweeps.issuperset(sweep_id.split(SEPARATOR))
