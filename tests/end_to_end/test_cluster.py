@@ -81,7 +81,7 @@ def undisturbed() -> Curves:
     """What the sweep must give: the same runs, trained in this process."""
     trained = list(algorithms.train("ddpg", "Pendulum", SEEDS, timesteps=TIMESTEPS))
     return {
-        ("ddpg", 0.0, 0.0, seed): without_times(table([m for m in trained if m.seed == seed]))
+        ("ddpg", "Pendulum", seed): without_times(table([m for m in trained if m.seed == seed]))
         for seed in SEEDS
     }
 
