@@ -43,7 +43,6 @@ def test_it_climbs_and_stands(signed_in: Page, live: LiveService, scheme: str) -
     task = found.get_by_role("listitem").filter(has_text="Pendulum")
     expect(task).to_contain_text("rung 1 of 2: 4 entries to 6,400 timesteps")
     expect(task.locator("tbody tr").first).to_contain_text("9 on the way")
-    assert violations(signed_in) == []
     live.train(0, 6400)
     look_at_all(live.store)
     expect(task).to_contain_text("rung 2 of 2: 2 entries to 20,000 timesteps")
