@@ -16,6 +16,7 @@ from service.analysis.figures.design import Design
 from service.analysis.figures.figure_data import figure_data
 from service.analysis.figures.paper_figure import MAX_CURVES
 from service.analysis.statistics.score_table import score_table
+from service.api.access.authority import MAY_READ
 from service.api.context import TheCompared, TheSide, TheStore
 from service.api.refusals.problems import InvalidRequest
 from service.api.report.parts import (
@@ -35,7 +36,12 @@ from service.api.side_process import Side
 from service.model.compared import Compared
 from service.store.store import Store
 
-router = APIRouter(prefix="/sweeps/{sweep_id}", tags=["curves"], route_class=RevalidatedRoute)
+router = APIRouter(
+    prefix="/sweeps/{sweep_id}",
+    tags=["curves"],
+    route_class=RevalidatedRoute,
+    dependencies=[MAY_READ],
+)
 
 POINTS = 100  # of a curve: a report of 200 curves stays below 5 MB
 DESIGN = Design(has_title=False, has_caption=False, font_size=9.0)
