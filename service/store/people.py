@@ -7,7 +7,7 @@ from sqlalchemy import Connection, delete, insert, or_, select, update
 from service.model.caller import Scope, Session, Share, User
 from service.store.column_types import now
 from service.store.reading.rows import noun_of
-from service.store.refusal import NameTakenError
+from service.store.refusal import ImpossibleMoveError
 from service.store.tables import sessions, shares, users
 
 
@@ -30,13 +30,15 @@ def all_sessions(connection: Connection) -> list[Session]:
 
 
 def add_user(connection: Connection, name: str, scope: Scope, token_hash: str) -> None:
-    """Make a user, or give one that was revoked another token. Raises NameTakenError."""
+    """Make a user, or give one that was revoked another token. Raises ImpossibleMoveError."""
     values: dict[str, Any] = {"scope": scope.value, "token_hash": token_hash, "revoked_at": None}
     found = connection.execute(select(users).where(users.c.name == name)).one_or_none()
     if found is None:
         connection.execute(insert(users).values(name=name, **values))
     elif found.revoked_at is None:
-        raise NameTakenError(f"there is a user {name!r} already: revoke it first for a new token")
+        raise ImpossibleMoveError(
+            f"there is a user {name!r} already: revoke it first for a new token"
+        )
     else:
         again = update(users).where(users.c.name == name).values(created_at=now(), **values)
         connection.execute(again)

@@ -8,15 +8,11 @@ class NotFoundError(LookupError):
 
 
 class ImpossibleMoveError(ValueError):
-    """The run or sweep is in a state that this move does not start from; the text says which."""
+    """What is asked cannot happen from where the run, sweep or user stands; the text says why."""
 
 
 class SubmissionKeyReusedError(ValueError):
     """Another request was submitted under this key; the text says which sweep."""
-
-
-class NameTakenError(ValueError):
-    """There is a user of that name; the text says what to do."""
 
 
 class TooManyAskedError(RuntimeError):

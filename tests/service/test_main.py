@@ -1,53 +1,26 @@
 """`python -m service`: a refusal to start is a sentence and exit code 2, and nothing is started."""
 
 import os
-import re
 import sqlite3
-import ssl
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 
-import httpx2
 import pytest
 
 from service.data_dir import make_private
 from service.listening import listen
 from service.store.store import Store
-from tests.service.certificate import self_signed
 
 ROOT = Path(__file__).parents[2]
 
 
-def told(data_dir: Path, settings: Mapping[str, object]) -> dict[str, str]:
-    """The environment of a service."""
-    own = {"D3PG_DATA_DIR": data_dir, "D3PG_PORT": 0, "PYTHONPATH": ROOT, **settings}
-    return os.environ | {name: str(value) for name, value in own.items()}
-
-
-@contextmanager
-def running(data_dir: Path, **settings: object) -> Iterator["subprocess.Popen[str]"]:
-    """A service without workers to train, ended with the block."""
-    service = subprocess.Popen(
-        [sys.executable, "-m", "service"],
-        env=told(data_dir, {"D3PG_WORKERS": 1, **settings}),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        text=True,
-    )
-    try:
-        yield service
-    finally:
-        service.terminate()
-        service.communicate()
-
-
 def started(data_dir: Path, **settings: object) -> "subprocess.CompletedProcess[str]":
+    own = {"D3PG_DATA_DIR": data_dir, "D3PG_PORT": 0, "PYTHONPATH": ROOT, **settings}
     return subprocess.run(
         [sys.executable, "-m", "service"],
-        env=told(data_dir, settings),
+        env=os.environ | {name: str(value) for name, value in own.items()},
         capture_output=True,
         text=True,
         timeout=60,
@@ -123,35 +96,6 @@ def test_several_wrong_settings_are_all_told(tmp_path: Path) -> None:
         "D3PG_WORKERS",
         "D3PG_DATABASE_URL",
     }
-
-
-@pytest.mark.cluster
-def test_what_it_prints_signs_one_browser_in_and_holds_no_token(tmp_path: Path) -> None:
-    token = "a-token-of-the-tests-0000"  # noqa: S105
-    with running(tmp_path / "data", D3PG_TOKEN=token) as service:
-        assert service.stdout is not None
-        link = service.stdout.readline().strip()
-        assert re.fullmatch(r"http://127\.0\.0\.1:\d+/signin\?code=[\w-]{43}", link)
-        with httpx2.Client() as browser:
-            assert browser.get(link).status_code == 303
-            assert browser.get(link.partition("/signin")[0]).status_code == 200
-        assert httpx2.get(link).status_code == 401
-        arguments = Path(f"/proc/{service.pid}/cmdline").read_text()
-    assert token not in arguments + link
-
-
-@pytest.mark.cluster
-def test_it_speaks_tls_with_a_certificate_of_one_s_own(tmp_path: Path) -> None:
-    chain, key = self_signed(tmp_path, "IP:127.0.0.1")
-    with running(tmp_path / "data", D3PG_TLS_CERTIFICATE=chain, D3PG_TLS_KEY=key) as service:
-        assert service.stdout is not None
-        link = service.stdout.readline().strip()
-        assert link.startswith("https://127.0.0.1:")
-        trust = ssl.create_default_context(cafile=chain)
-        with httpx2.Client(verify=trust) as browser:
-            signed_in = browser.get(link)
-        assert "Secure" in signed_in.headers["set-cookie"]
-        assert "strict-transport-security" not in signed_in.headers, "nobody named its address"
 
 
 @pytest.mark.parametrize("key", ["none.pem", "token"])

@@ -18,6 +18,7 @@ from collections.abc import Callable, Mapping
 from typing import ParamSpec
 
 from service.model.caller import ADMINISTRATOR, Caller, Scope, Session, Share, User
+from service.store.refusal import ImpossibleMoveError
 from service.store.store import Store
 
 P = ParamSpec("P")
@@ -30,10 +31,6 @@ MOST_SESSIONS = 10_000
 MOST_CODES = 1000
 MOST_SHARES = 1000
 MAX_BROWSER = 200
-
-
-class TooManySharesError(RuntimeError):
-    """There are as many shares as there may be."""
 
 
 class Register:
@@ -63,13 +60,11 @@ class Register:
 
     def holds(self, caller: Caller) -> bool:
         """Whether a caller of some time ago would still be let in, as the same."""
-        if caller.session is None:
-            return self._holder(caller.key_hash) == caller
-        sessions = self._sessions.values()
-        is_open = any(
-            each.id == caller.session and each.expires_at > self._clock() for each in sessions
-        )
-        return is_open and self._holder(caller.key_hash, caller.session) == caller
+        if caller.session is not None:
+            expires_at = self._expiries.get(caller.session, 0.0)
+            if expires_at <= self._clock():
+                return False
+        return self._holder(caller.key_hash, caller.session) == caller
 
     # ---- signing in
 
@@ -128,7 +123,7 @@ class Register:
     def add_user(self, name: str, scope: Scope) -> str:
         """Make a user and return its token, which nobody can find out again.
 
-        Raises NameTakenError.
+        Raises ImpossibleMoveError.
         """
         token = secrets.token_urlsafe(TOKEN_BYTES)
         self._change(self._store.add_user, name, scope, digest(token))
@@ -149,10 +144,10 @@ class Register:
     ) -> tuple[Share, str]:
         """Let whoever gets the token read sweeps for some days; return the share and the token.
 
-        Raises TooManySharesError.
+        Raises ImpossibleMoveError.
         """
         if len(self.shares()) >= MOST_SHARES:
-            raise TooManySharesError(f"there are {MOST_SHARES} shares: revoke some of them")
+            raise ImpossibleMoveError(f"there are {MOST_SHARES} shares: revoke some of them")
         token, now = secrets.token_urlsafe(TOKEN_BYTES), self._clock()
         share = Share(
             id=secrets.token_hex(6),
@@ -198,6 +193,7 @@ class Register:
         self._users: Mapping[str, User] = {each.token_hash: each for each in users}
         self._shares: Mapping[str, Share] = {s.token_hash: s for s in self._store.shares()}
         self._sessions: Mapping[str, Session] = {s.token_hash: s for s in self._store.sessions()}
+        self._expiries = {session.id: session.expires_at for session in self._sessions.values()}
 
 
 def digest(secret: str) -> str:

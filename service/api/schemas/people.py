@@ -110,7 +110,7 @@ class NewUserAnswer(UserAnswer):
         }
     )
 
-    token: str = Field(default="", description=TOKEN_TEXT)
+    token: str = Field(description=TOKEN_TEXT)
 
 
 class ShareRequest(Request):
@@ -176,7 +176,7 @@ class NewShareAnswer(ShareAnswer):
         }
     )
 
-    link: str = Field(default="", description="What to send. Shown this once.")
+    link: str = Field(description="What to send. Shown this once.")
 
 
 class SignInRequest(Request):

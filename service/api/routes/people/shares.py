@@ -6,9 +6,8 @@ from fastapi import APIRouter, Request
 
 from service.api.access.authority import MAY_READ, MAY_SUBMIT
 from service.api.access.links import link_to
-from service.api.access.register import TooManySharesError
 from service.api.context import TheCaller, TheRegister, TheStore, may_be_id
-from service.api.refusals.problems import Fault, ImpossibleMove, InvalidRequest, NotFound, printable
+from service.api.refusals.problems import Fault, InvalidRequest, NotFound, printable, refusing
 from service.api.schemas.people import NewShareAnswer, ShareAnswer, ShareRequest
 from service.model.caller import Caller, Share
 from service.store.store import Store
@@ -35,14 +34,10 @@ def add_share(
     Whoever has it can read all of these sweeps until it expires, and nothing else.
     """
     _refuse_unknown(asked.sweeps, store)
-    try:
-        share, token = register.add_share(
-            tuple(asked.sweeps), asked.opened, asked.days, caller.name
-        )
-    except TooManySharesError as refusal:
-        raise ImpossibleMove(f"No share was made: {refusal}.") from refusal
+    sweeps, page = tuple(asked.sweeps), asked.opened
+    share, token = refusing(lambda: register.add_share(sweeps, page, asked.days, caller.name))
     link = link_to(request, f"/signin#share={token}")
-    return NewShareAnswer.of(share).model_copy(update={"link": link})
+    return NewShareAnswer(**ShareAnswer.of(share).model_dump(), link=link)
 
 
 @router.delete("/{share_id}", dependencies=[MAY_READ])

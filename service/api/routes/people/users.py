@@ -6,10 +6,9 @@ from fastapi import APIRouter
 
 from service.api.access.authority import MAY_ADMINISTER
 from service.api.context import TheRegister
-from service.api.refusals.problems import ImpossibleMove, NotFound, printable
+from service.api.refusals.problems import NotFound, printable, refusing
 from service.api.schemas.people import NewUserAnswer, UserAnswer, UserRequest
 from service.model.caller import User
-from service.store.refusal import NameTakenError
 
 router = APIRouter(prefix="/users", tags=["people"], dependencies=[MAY_ADMINISTER])
 
@@ -26,12 +25,9 @@ def add_user(request: UserRequest, register: TheRegister) -> NewUserAnswer:
 
     Somebody who was revoked gets another token, and has their sweeps again.
     """
-    try:
-        token = register.add_user(request.name, request.scope)
-    except NameTakenError as refusal:
-        raise ImpossibleMove(_sentence(refusal)) from refusal
-    answer = NewUserAnswer.of(_found(request.name, register))
-    return answer.model_copy(update={"token": token})
+    token = refusing(lambda: register.add_user(request.name, request.scope))
+    user = UserAnswer.of(_found(request.name, register))
+    return NewUserAnswer(**user.model_dump(), token=token)
 
 
 @router.delete("/{name}")
@@ -47,8 +43,3 @@ def _found(name: str, register: TheRegister) -> User:
         if user.name == name:
             return user
     raise NotFound(f"There is no user {printable(name)!r}.")
-
-
-def _sentence(refusal: Exception) -> str:
-    text = str(refusal)
-    return f"{text[0].upper()}{text[1:]}."

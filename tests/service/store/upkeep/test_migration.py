@@ -121,3 +121,18 @@ def test_runs_of_before_are_of_the_entry_that_their_place_said(url: str) -> None
     assert [run.entry for run in again.list_runs(sweep.id)] == places
     again.close()
     assert places == [1, 1, 2, 2, 0, 0, 1, 1, 2, 2]
+
+
+def test_what_was_submitted_before_there_were_users_is_the_administrators(
+    store: Store, submit: Submit, url: str
+) -> None:
+    submit(seeds=1)
+    store.close()
+    engine = connect(url, "writer")
+    migration.downgrade(engine, "0012")
+    migration.upgrade(engine)
+    engine.dispose()
+    again = Store.open(url)
+    assert [sweep.owner for sweep in again.list_sweeps()] == ["admin"]
+    assert (again.users(), again.shares(), again.sessions()) == ([], [], [])
+    again.close()

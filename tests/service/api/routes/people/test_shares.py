@@ -59,6 +59,17 @@ def test_a_link_opens_a_sweep_and_nothing_else(
         assert browser.post(path, json={}).status_code == 403
 
 
+def test_several_as_one_are_seen_where_each_is(
+    app: FastAPI, client: TestClient, sweeps: list[str]
+) -> None:
+    one, two, other = sweeps
+    browser = opened(app, client.post(SHARES, json={"sweeps": [one, two]}).json())
+    for part in ("curves", "table", "report"):
+        assert browser.get(f"{SWEEPS}/{one}+{two}/{part}").status_code == 200
+        for mixed in (f"{one}+{other}", f"{other}+{one}", f"{one}+", "+", f"{one}%2B{other}"):
+            assert browser.get(f"{SWEEPS}/{mixed}/{part}").status_code == 403
+
+
 def test_an_answer_that_somebody_else_has_tells_nothing(
     app: FastAPI, client: TestClient, sweeps: list[str]
 ) -> None:
