@@ -1,6 +1,7 @@
 """Rows as the nouns of the model: a column goes to the field of its name."""
 
 from dataclasses import fields
+from functools import cache
 from typing import Any, TypeVar
 
 from sqlalchemy import Row
@@ -14,5 +15,11 @@ def noun_of(kind: type[Noun], row: Row[Any], **derived: Any) -> Noun:
     What is derived stands for fields that have no column of their name, or another one. Raises
     AttributeError for a field that has neither.
     """
-    names = [field.name for field in fields(kind) if field.name not in derived]  # type: ignore[arg-type]
+    names = [name for name in _fields(kind) if name not in derived]
     return kind(**{name: getattr(row, name) for name in names}, **derived)
+
+
+@cache
+def _fields(kind: Any) -> tuple[str, ...]:
+    """The names of a dataclass's fields; a large sweep has thousands of rows."""
+    return tuple(field.name for field in fields(kind))

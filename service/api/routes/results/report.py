@@ -47,11 +47,14 @@ POINTS = 100  # of a curve: a report of 200 curves stays below 5 MB
 DESIGN = Design(has_title=False, has_caption=False, font_size=9.0)
 OWN_POLICY = "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors 'none'"
 
+EXAMPLE: dict[int | str, dict[str, Any]] = {
+    200: {"content": {"text/html": {"example": "<!doctype html><title>first look</title> ..."}}}
+}
 OF_A_FILE = re.compile(r"^.*?(?=<svg)|<metadata>.*?</metadata>", re.DOTALL)
 """What an SVG does not need inside of HTML."""
 
 
-@router.get("/report", response_class=HTMLResponse)
+@router.get("/report", response_class=HTMLResponse, responses=EXAMPLE)
 def get_report(sweep: TheCompared, store: TheStore, side: TheSide) -> HTMLResponse:
     """Answer curves, scores, statistics, settings and how to repeat them, as one HTML file.
 
