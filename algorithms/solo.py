@@ -20,20 +20,19 @@ from algorithms.early_end import NotFiniteQuantityError
 from algorithms.experience.evaluation import play
 from algorithms.experience.rollout import start_states
 from algorithms.failing_rows import found
-from algorithms.history import History
-from algorithms.measurement import Measurement
 from algorithms.networks.policy import Policies, Policy, deterministic
 from algorithms.networks.shape import HiddenSettings, parameter_size, shape_of
+from algorithms.on_policy.counted_run import CountedRun
 from algorithms.on_policy.learner import OnPolicyLearner
 from algorithms.snapshot import Snapshot, inside
-from algorithms.state import State, fill, part, within
+from algorithms.state import State
 from physics.environment import Environment
 from physics.randomness import generator
 
 Config = TypeVar("Config", bound=HiddenSettings)
 
 
-class SoloRun(ABC, Generic[Config]):
+class SoloRun(CountedRun, ABC, Generic[Config]):
     """One run; see `algorithms.on_policy.learner.Run`.
 
     Attributes:
@@ -46,16 +45,15 @@ class SoloRun(ABC, Generic[Config]):
         updates: calls of `improve` so far.
     """
 
+    counters = (*CountedRun.counters, "_episodes")
     learned: ClassVar[Sequence[str]] = ("theta",)
     theta: NDArray[np.float32]
 
     def __init__(self, environment: Environment, seed: int, timesteps: int, config: Config) -> None:
         """Begin a run of so many timesteps."""
-        self.environment, self.seed, self.config = environment, seed, config
+        super().__init__(seed, timesteps)
+        self.environment, self.config = environment, config
         self.shape = shape_of(environment.feature_size, environment.action_size, config)
-        self.history = History(seed, timesteps)
-        self.timestep = self.jacobians = self.updates = 0
-        self._timesteps = timesteps
         self._episodes = self._counted = 0
         self.begin()
 
@@ -70,10 +68,6 @@ class SoloRun(ABC, Generic[Config]):
     @abstractmethod
     def improve(self, lived: Any) -> None:
         """Change theta by what `explore` returned."""
-
-    def diagnostics(self) -> dict[str, float]:
-        """Further numbers of a measurement, by name."""
-        return {}
 
     def random(self, purpose: str, index: int = 0) -> np.random.Generator:
         """The generator of this seed, for a purpose in words and a number of the draw."""
@@ -132,44 +126,14 @@ class SoloRun(ABC, Generic[Config]):
             raise NotFiniteQuantityError("theta")
 
     @property
-    def is_over(self) -> bool:
-        """Whether it has had its timesteps."""
-        return self.timestep >= self._timesteps
-
-    @property
     def nbytes(self) -> int:
         """Negligible; a run that keeps much overrides this (see `Algorithm.memory`)."""
         return 0
 
-    def measured(self, return_mean: float) -> Measurement:
-        """Take in a measurement."""
-        self.history.record(return_mean)
-        return self.history.measured(
-            updates=self.updates, jacobians=self.jacobians, diagnostics=self.diagnostics()
-        )
-
-    def state(self) -> State:
-        """All that its next bits depend on."""
-        counters = [self.timestep, self.jacobians, self.updates, self._episodes]
-        learned = {name: np.asarray(getattr(self, name)) for name in self.learned}
-        return {
-            "counters": np.array(counters),
-            **within("learned", learned),
-            **within("history", self.history.state()),
-        }
-
     def restore(self, state: State) -> None:
         """Restore what `state` returned."""
-        counters = state["counters"].tolist()
-        self.timestep, self.jacobians, self.updates, self._episodes = counters
+        super().restore(state)
         self._counted = self.timestep
-        for name, array in part(state, "learned").items():
-            own = getattr(self, name)
-            if isinstance(own, np.ndarray):
-                fill(own, array)
-            else:
-                setattr(self, name, array.item())
-        self.history.restore(part(state, "history"))
 
     def snapshot(self) -> Snapshot:
         """The policy as it is."""

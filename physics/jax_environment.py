@@ -64,13 +64,13 @@ class JaxEnvironment(Environment):
         terminated: BoolArray,
     ) -> int:
         """Step every row; see `Environment.step_kernel`."""
-        _fill(self._transitions, states, actions, (next_states, rewards, terminated), self.block)
+        _fill(self._transitions, (states, actions), (next_states, rewards, terminated), self.block)
         return -1
 
     def differentiate_kernel(self, states: FloatArray, actions: FloatArray, *outputs: Any) -> int:
         """Step and differentiate every row; see `Environment.differentiate_kernel`."""
-        _fill(self._transitions, states, actions, outputs[:3], self.block)
-        _fill(self._derivatives, states, actions, outputs[3:], self.block)
+        _fill(self._transitions, (states, actions), outputs[:3], self.block)
+        _fill(self._derivatives, (states, actions, outputs[0]), outputs[3:], self.block)
         return -1
 
     def compile(self) -> float:
@@ -96,15 +96,15 @@ class JaxEnvironment(Environment):
         following = self.dynamics(state, action)
         return following, self.reward(state, action, following), self.terminated(following)
 
-    def _derivatives_of_row(self, state: Any, action: Any) -> Arrays:
+    def _derivatives_of_row(self, state: Any, action: Any, following: Any) -> Arrays:
+        """Those of a step that leads to `following`, which is computed already."""
         u, within = jnp.clip(action, -1.0, 1.0), jnp.abs(action) <= 1.0
         by_state, by_action = jax.jacfwd(self.dynamics, argnums=(0, 1))(state, u)
-        r_state, r_action, r_next = self._reward_gradients(state, u)
+        r_state, r_action, r_next = self._reward_gradients(state, u, following)
         return by_state, by_action * within, r_state, r_action * within, r_next
 
-    def _reward_gradients(self, state: Any, action: Any) -> Arrays:
+    def _reward_gradients(self, state: Any, action: Any, following: Any) -> Arrays:
         """The reward's partial derivatives in its three arguments."""
-        following = self.dynamics(state, action)
         if not self.reward_is_differentiable:
             return jnp.zeros_like(state), jnp.zeros_like(action), jnp.zeros_like(following)
         gradients: Arrays = jax.jacfwd(self.reward, argnums=(0, 1, 2))(state, action, following)
@@ -113,16 +113,15 @@ class JaxEnvironment(Environment):
 
 def _fill(
     function: Callable[..., Arrays],
-    states: FloatArray,
-    actions: FloatArray,
+    inputs: tuple[FloatArray, ...],
     outputs: tuple[FloatArray | BoolArray, ...],
     block: int,
 ) -> None:
     """Write what a function makes of the rows, block by block, without the copies that fill up."""
-    for start in range(0, len(states), block):
-        picked = np.minimum(np.arange(start, start + block), len(states) - 1)
+    for start in range(0, len(inputs[0]), block):
+        picked = np.minimum(np.arange(start, start + block), len(inputs[0]) - 1)
         with float64_on_cpu():
-            results = function(states[picked], actions[picked])
+            results = function(*(each[picked] for each in inputs))
         for result, output in zip(results, outputs, strict=True):
             rows = output[start : start + block]
             rows[:] = np.asarray(result)[: len(rows)]

@@ -5,7 +5,6 @@ import numpy as np
 from algorithms.ascent.episodes import return_gradient
 from algorithms.ascent.pathwise import Linearized
 from algorithms.early_end import NotFiniteQuantityError
-from algorithms.history import History
 from algorithms.measurement import Measurement
 from algorithms.memory import episode_bytes
 from algorithms.networks.finite import is_finite
@@ -15,9 +14,10 @@ from algorithms.networks.parameters import initial_theta
 from algorithms.networks.policy import Policy, deterministic
 from algorithms.networks.scaling import Coordinates, Statistics
 from algorithms.networks.shape import shape_of
+from algorithms.on_policy.counted_run import CountedRun, Part
 from algorithms.settings import GDConfig
 from algorithms.snapshot import Snapshot, inside
-from algorithms.state import State, part, within
+from algorithms.state import State
 from physics.environment import Environment
 from physics.kernels.compiled import compiled_fast
 from physics.randomness import generator
@@ -26,14 +26,11 @@ SMOOTHED = 10
 """Measurements whose mean tells whether a curve still rises."""
 
 
-class GDRun:
-    """One actor and how far it has come.
+class GDRun(CountedRun):
+    """One actor and how far it has come: steps of its episodes, each with its Jacobian."""
 
-    Attributes:
-        history: its measurements.
-        timestep: steps of its episodes so far, each with its Jacobian.
-        updates: steps of Adam so far.
-    """
+    counters = (*CountedRun.counters, "_best_at")
+    learned = ("_best",)
 
     def __init__(
         self,
@@ -44,10 +41,7 @@ class GDRun:
         config: GDConfig,
     ) -> None:
         """Draw the initial actor."""
-        self.history = History(seed, timesteps)
-        self.timestep = 0
-        self.updates = 0
-        self._timesteps = timesteps
+        super().__init__(seed, timesteps)
         self._config = config
         self._environment = environment
         self._shape = shape_of(environment.feature_size, environment.action_size, config)
@@ -60,6 +54,7 @@ class GDRun:
     def count(self, episodes: Linearized) -> None:
         """Count the steps of the coming update's episodes."""
         self.timestep += int(episodes.ends.sum())
+        self.jacobians = self.timestep
 
     def policy(self) -> Policy:
         """The actor as it is."""
@@ -89,15 +84,14 @@ class GDRun:
         for e, end in enumerate(episodes.ends):
             self._statistics.observe(episodes.features[:end, e].astype(np.float32))
 
-    def measured(self, return_mean: float) -> Measurement:
-        """Take in a measurement."""
+    def diagnostics(self) -> dict[str, float]:
+        """The median norm of the gradients since the last measurement."""
         norms, self._gradient_norms = self._gradient_norms, []
-        self.history.record(return_mean)
-        measurement = self.history.measured(
-            updates=self.updates,
-            jacobians=self.timestep,
-            diagnostics={"gradient_norm": float(np.median(norms)) if norms else np.nan},
-        )
+        return {"gradient_norm": float(np.median(norms)) if norms else np.nan}
+
+    def measured(self, return_mean: float) -> Measurement:
+        """Take in a measurement, and whether it is a new best."""
+        measurement = super().measured(return_mean)
         latest = float(np.mean([*self.history.returns][-SMOOTHED:]))
         if latest > self._best:
             self._best, self._best_at = latest, self.history.count
@@ -107,39 +101,26 @@ class GDRun:
     def is_over(self) -> bool:
         """Whether it has had its timesteps, or its curve has not risen for long."""
         on_plateau = self.history.count - self._best_at >= self._config.patience
-        return on_plateau or self.timestep >= self._timesteps
+        return on_plateau or super().is_over
 
     @property
     def nbytes(self) -> int:
         """Memory of one update's episodes."""
         return episode_bytes(self._environment, self._config)
 
+    def parts(self) -> dict[str, Part]:
+        """The actor, and what is known of its features."""
+        return {"actor": self._actor, "statistics": self._statistics}
+
     def state(self) -> State:
         """All that its next bits depend on."""
-        own = {
-            "timestep": np.array(self.timestep),
-            "updates": np.array(self.updates),
-            "best": np.array(self._best),
-            "best_at": np.array(self._best_at),
-            "gradient_norms": np.array(self._gradient_norms, np.float64),
-        }
-        return (
-            own
-            | within("actor", self._actor.state())
-            | within("statistics", self._statistics.state())
-            | within("history", self.history.state())
-        )
+        norms = np.array(self._gradient_norms, np.float64)
+        return {**super().state(), "gradient_norms": norms}
 
     def restore(self, state: State) -> None:
         """Restore what `state` returned."""
-        self.timestep = int(state["timestep"])
-        self.updates = int(state["updates"])
-        self._best = float(state["best"])
-        self._best_at = int(state["best_at"])
+        super().restore(state)
         self._gradient_norms = state["gradient_norms"].tolist()
-        self._actor.restore(part(state, "actor"))
-        self._statistics.restore(part(state, "statistics"))
-        self.history.restore(part(state, "history"))
 
     def snapshot(self) -> Snapshot:
         """The actor as it is."""

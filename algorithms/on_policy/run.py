@@ -12,9 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from algorithms.early_end import NotFiniteQuantityError
-from algorithms.history import History
 from algorithms.matching.diagnostics import UpdateMeans
-from algorithms.measurement import Measurement
 from algorithms.memory import window_bytes
 from algorithms.networks.optimizer import Learned, learned, learned_alone
 from algorithms.networks.parameters import initial_theta
@@ -23,9 +21,9 @@ from algorithms.networks.scaling import Coordinates, Scaling, Statistics
 from algorithms.networks.shape import HiddenSettings, Shape, shape_of
 from algorithms.networks.value_scale import UnitChange, move_value_scale, rewrite_fit
 from algorithms.on_policy import actor
+from algorithms.on_policy.counted_run import CountedRun, Part
 from algorithms.on_policy.window import Episodes, Window, check_finite
 from algorithms.snapshot import Snapshot, inside
-from algorithms.state import State, part, within
 from physics.environment import Environment
 from physics.randomness import generator
 
@@ -112,13 +110,10 @@ class Rule(Protocol):
         """Adapt what Adam remembers of the actor to the new unit of values."""
 
 
-class WindowRun:
-    """One run; see `algorithms.on_policy.learner.Run`.
+class WindowRun(CountedRun):
+    """One run; its steps are those of all its environments, an update is of a window.
 
     Attributes:
-        history: its measurements.
-        timestep: steps of all its environments so far.
-        updates: windows it has learned from.
         episodes: those that are going on.
     """
 
@@ -132,6 +127,7 @@ class WindowRun:
         rule: Rule,
     ) -> None:
         """Draw the initial networks."""
+        super().__init__(seed, timesteps)
         features, m = environment.feature_size, environment.action_size
         actor_shape = shape_of(features, m, config)
         critic_shape = shape_of(features, 1, config)
@@ -142,21 +138,12 @@ class WindowRun:
             actor_shape,
             critic_shape,
         )
-        self.history = History(seed, timesteps)
-        self.timestep = 0
-        self.updates = 0
         self.episodes = Episodes(seed, config.environments, environment.state_size)
         self._environment = environment
-        self._timesteps = timesteps
         self._config = config
         self._rule = rule
         self._statistics = Statistics(coordinates, m)
         self._means = UpdateMeans(rule.means)
-
-    @property
-    def is_over(self) -> bool:
-        """Whether it has had its timesteps."""
-        return self.timestep >= self._timesteps
 
     @property
     def nbytes(self) -> int:
@@ -179,6 +166,7 @@ class WindowRun:
     def count(self, window: Window) -> None:
         """Count the steps of the coming update's window."""
         self.timestep += window.rewards.size
+        self.jacobians = self.timestep if self._rule.linearized else 0
 
     def learn(self, window: Window) -> None:
         """Update by a window, the unit of values set to their targets before."""
@@ -206,44 +194,25 @@ class WindowRun:
         rewrite_fit(self.networks.critic, self.networks.critic_shape, change)
         self._rule.change_unit(self.networks, change)
 
-    def measured(self, return_mean: float) -> Measurement:
-        """Take in a measurement."""
-        self.history.record(return_mean)
+    def diagnostics(self) -> dict[str, float]:
+        """What the rule saw since the last measurement, the noise, and the unit of values."""
         m = self._environment.action_size
         spread = actor.spread_of(self.networks.actor.theta, m)
-        return self.history.measured(
-            updates=self.updates,
-            jacobians=self.timestep if self._rule.linearized else 0,
-            diagnostics={
-                **self._means.take(),
-                "noise": float(spread.mean()),
-                "value_std": self._statistics.value_std,
-            },
-        )
-
-    def state(self) -> State:
-        """All that its next bits depend on."""
         return {
-            "timestep": np.array(self.timestep),
-            "updates": np.array(self.updates),
-            **within("actor", self.networks.actor.state()),
-            **within("critic", self.networks.critic.state()),
-            **within("episodes", self.episodes.state()),
-            **within("statistics", self._statistics.state()),
-            **within("means", self._means.state()),
-            **within("history", self.history.state()),
+            **self._means.take(),
+            "noise": float(spread.mean()),
+            "value_std": self._statistics.value_std,
         }
 
-    def restore(self, state: State) -> None:
-        """Restore what `state` returned."""
-        self.timestep = int(state["timestep"])
-        self.updates = int(state["updates"])
-        self.networks.actor.restore(part(state, "actor"))
-        self.networks.critic.restore(part(state, "critic"))
-        self.episodes.restore(part(state, "episodes"))
-        self._statistics.restore(part(state, "statistics"))
-        self._means.restore(part(state, "means"))
-        self.history.restore(part(state, "history"))
+    def parts(self) -> dict[str, Part]:
+        """The networks, the episodes, and what is known of features and updates."""
+        return {
+            "actor": self.networks.actor,
+            "critic": self.networks.critic,
+            "episodes": self.episodes,
+            "statistics": self._statistics,
+            "means": self._means,
+        }
 
     def snapshot(self) -> Snapshot:
         """The mean policy as it is; without a critic, since V is no Q."""

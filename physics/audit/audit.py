@@ -78,7 +78,7 @@ def _compared(findings: list[Findings]) -> int:
 def _report(environment: Environment, regime: int, findings: list[Findings]) -> RegimeAudit:
     errors = np.concatenate([np.empty(0), *(each.errors for each in findings)])
     return RegimeAudit(
-        environment.name,
+        environment.label,
         environment.version,
         environment.regimes[regime],
         len(errors),

@@ -42,7 +42,7 @@ def notes(environment: Environment, rows: Sequence[RegimeAudit]) -> list[str]:
         *_undeclared(environment, sum(row.undeclared for row in rows)),
         *_unsampled(environment, pieces),
         *_unknown(environment, states),
-        *(f"NOTE: {environment.name}: {each}" for each in environment.remarks(states, actions)),
+        *(f"NOTE: {environment.label}: {each}" for each in environment.remarks(states, actions)),
     ]
 
 

@@ -17,6 +17,7 @@ class RegimeAudit:
     """What the audit found in one regime of one task."""
 
     environment: str
+    """Its label: the name, and the values of parameters that were given."""
     version: int
     regime: str
     states: int

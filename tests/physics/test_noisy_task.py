@@ -115,6 +115,7 @@ def test_the_audit_passes_at_the_noise_drawn(name: str) -> None:
     task = physics.make(name, process_noise=0.05, observation_noise=0.1)
     rows = audit(task, 60)
     assert failures(rows, 60) == []
+    assert {row.environment for row in rows} == {task.label}
     told = "\n".join(notes(task, rows))
     assert "process noise 0.05, observation noise 0.1: the derivatives compared are" in told
 
