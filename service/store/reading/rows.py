@@ -2,7 +2,7 @@
 
 from dataclasses import fields
 from functools import cache
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 from sqlalchemy import Row
 
@@ -15,7 +15,7 @@ def noun_of(kind: type[Noun], row: Row[Any], **derived: Any) -> Noun:
     What is derived stands for fields that have no column of their name, or another one. Raises
     AttributeError for a field that has neither.
     """
-    names = [name for name in _fields(kind) if name not in derived]
+    names = [name for name in _fields(cast(Any, kind)) if name not in derived]
     return kind(**{name: getattr(row, name) for name in names}, **derived)
 
 
