@@ -94,6 +94,8 @@ def _parametric_step(
         **{name: float(each.detach()) for name, each in parameters.items()}
     )
     values = {name: value.to(torch.float64) for name, value in parameters.items()}
+    if isinstance(environment, NoisyEnvironment) and not isinstance(task, NoisyEnvironment):
+        task = NoisyEnvironment(task, 0.0, 0.0)  # whose states hold their places as before
     if isinstance(task, NoisyEnvironment):
         return _noisy_step(task, states, actions, values)
     for name in NOISE & values.keys():  # 0, or the task were noisy
@@ -118,9 +120,10 @@ def _noisy_step(
     n = task.task.state_size
     numbers, places = _Noise.of(task, states, actions)
     moved = states[..., :n] + values.get(PROCESS, task.process_noise) * numbers
-    disturbed = torch.clamp(moved, *map(torch.from_numpy, task.limits))
+    if task.process_noise:
+        moved = torch.clamp(moved, *map(torch.from_numpy, task.limits))
     others = {name: value for name, value in values.items() if name not in NOISE}
-    following, reward, terminated = torch_step(task.task, disturbed, actions, others)
+    following, reward, terminated = torch_step(task.task, moved, actions, others)
     return torch.cat([following, places], dim=-1), reward, terminated
 
 

@@ -299,6 +299,19 @@ def test_no_noise_given_as_a_tensor_is_the_task_without() -> None:
     )
 
 
+def test_a_deviation_may_come_to_0() -> None:
+    task = physics.make("Pendulum", process_noise=0.1)
+    states = torch.from_numpy(task.initial_states(range(3)))
+    deviation = torch.zeros((), dtype=torch.float64, requires_grad=True)
+    given, actions = {"process_noise": deviation}, torch.zeros(3, 1, dtype=torch.float64)
+    found = physics.torch_step(task, states, actions, given).next_state
+    exact = physics.make("Pendulum").step(states[:, :2].numpy().copy(), actions.numpy())
+    np.testing.assert_array_equal(found.detach()[:, :2].numpy(), exact.next_state)
+    found.sum().backward()  # type: ignore[no-untyped-call]
+    assert deviation.grad is not None
+    assert float(deviation.grad) != 0.0
+
+
 def test_a_torch_task_with_noise_has_second_derivatives(actions: torch.Tensor) -> None:
     task = WithLinearAlgebra().with_parameters(process_noise=0.1)
     states = torch.from_numpy(task.initial_states(range(3)))

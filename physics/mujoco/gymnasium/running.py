@@ -7,9 +7,9 @@ Glossary:
     T      seconds of a step
     cost   of control
 
-Where nothing bounds a step's reward, `max_reward` is a mark for good policies: Gymnasium's
-threshold (of Hopper 3,800 in 1,000 steps, rounded up to 4 a step; of Swimmer 360) or, above it,
-what learners are published to reach (HalfCheetah, Walker2d). So a normalised return may exceed 1.
+Nothing bounds a step's reward here, so `max_reward` is a mark and no bound: Gymnasium's threshold
+for Swimmer (a return of 360 in 1,000 steps) and, rounded up, for Hopper (3,800), the constant of
+the project's own HalfCheetah, and for Walker2d, which has no threshold, an estimate.
 
 Hopper and Walker2d end where they are no longer healthy, and networks see their speeds clipped to
 10, as there. Actions are in the box, as these models' controls are.
