@@ -15,7 +15,7 @@ def noun_of(kind: type[Noun], row: Row[Any], **derived: Any) -> Noun:
     What is derived stands for fields that have no column of their name, or another one. Raises
     AttributeError for a field that has neither.
     """
-    names = [name for name in _fields(kind) if name not in derived]
+    names = [name for name in _fields(kind) if name not in derived]  # type: ignore[arg-type]
     return kind(**{name: getattr(row, name) for name in names}, **derived)
 
 

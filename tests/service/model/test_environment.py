@@ -2,7 +2,7 @@
 
 import pytest
 
-from service.model import environment
+import physics
 from service.model.environment import best_return, environment_facts
 
 
@@ -14,7 +14,7 @@ def test_a_task_of_the_projects_own_is_found_without_a_listing(
     def listing() -> list[str]:
         raise AssertionError("it was listed, which takes milliseconds for every curve")
 
-    monkeypatch.setattr(environment.physics, "names", listing)
+    monkeypatch.setattr(physics, "names", listing)
     assert best_return("Pendulum") == expected
     assert environment_facts("Pendulum(gravity=8)").name == "Pendulum"
 
