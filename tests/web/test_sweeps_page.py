@@ -193,3 +193,39 @@ def test_sweeps_are_deleted_when_that_is_meant(signed_in: Page, live: LiveServic
     signed_in.get_by_role("button", name="Delete the sweep").click()
     signed_in.wait_for_url(f"{live.url}/")
     expect(signed_in.get_by_role("heading", name="No sweeps yet")).to_be_visible()
+
+
+def test_a_view_is_kept_by_name_in_the_browser(signed_in: Page, live: LiveService) -> None:
+    live.add_sweep("the first")
+    live.add_sweep("the second")
+    signed_in.goto(live.url)
+    rows = signed_in.locator("#sweeps tbody tr")
+    expect(rows).to_have_count(2)
+    expect(signed_in.locator("#saved-views")).to_be_hidden()
+    signed_in.get_by_label("Find sweeps").fill("second")
+    expect(rows).to_have_count(1)
+    signed_in.get_by_label("Name of this view").fill("mine, <b>now</b>")
+    signed_in.get_by_role("button", name="Save view").click()
+    expect(signed_in.get_by_role("status").filter(has_text="Saved")).to_be_visible()
+    assert violations(signed_in) == []
+    signed_in.goto(live.url)
+    expect(rows).to_have_count(2)
+    views = signed_in.get_by_role("combobox", name="Saved views")
+    views.select_option("mine, <b>now</b>")
+    expect(rows).to_have_count(1)
+    assert "q=second" in signed_in.url
+    signed_in.get_by_role("button", name="Reset view").click()
+    expect(rows).to_have_count(2)
+    expect(views).to_have_value("")
+    views.select_option("mine, <b>now</b>")
+    signed_in.get_by_role("button", name="Remove this view").click()
+    expect(views).to_be_hidden()
+    expect(rows).to_have_count(1)
+
+
+def test_storage_that_holds_something_else_is_no_view(signed_in: Page, live: LiveService) -> None:
+    live.add_sweep("the first")
+    signed_in.evaluate("localStorage.setItem('d3pg.views', '[1, 2')")
+    signed_in.goto(live.url)
+    expect(signed_in.locator("#sweeps tbody tr")).to_have_count(1)
+    expect(signed_in.locator("#saved-views")).to_be_hidden()

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import json
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
@@ -13,7 +15,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 from sqlalchemy import URL, Engine, make_url
 from sqlalchemy.exc import SQLAlchemyError
 
-from service.cli.terminal import console, say
+from service.cli.terminal import AsJson, console, say
 from service.data_dir import owned
 from service.refusal import RefusalError
 from service.settings import Settings
@@ -36,34 +38,43 @@ REFUSALS = (RefusalError, FileExistsError, FileNotFoundError, TransferError)
 
 
 @app.command()
-def upgrade(database_url: Database = None) -> None:
+def upgrade(database_url: Database = None, as_json: AsJson = False) -> None:
     """Bring the tables to this version's. The service does so by itself as it starts."""
     url = _url(database_url)
     with _refusing(), _alone(url), _opened(url, "writer", is_new=True) as engine:
         migration.upgrade(engine)
-    say("The tables are this version's.")
+    said = {"database": url.render_as_string(hide_password=True), "is_upgraded": True}
+    say(json.dumps(said) if as_json else "The tables are this version's.")
 
 
 @app.command()
-def check(database_url: Database = None) -> None:
+def check(database_url: Database = None, as_json: AsJson = False) -> None:
     """Check that the database is whole, also while the service works; exit code 1 if it is not."""
     with _refusing(), _opened(_url(database_url), "reader") as engine:
         migration.refuse_outdated(engine)
         with engine.connect() as connection:
             checks = integrity.check(connection)
+    if as_json:
+        say(json.dumps([asdict(each) for each in checks]))
+    else:
+        _say_checks(checks)
+    if any(each.faults for each in checks):
+        raise typer.Exit(1)
+
+
+def _say_checks(checks: Iterable[integrity.Check]) -> None:
     for each in checks:
         mark = "[red]broken[/]" if each.faults else "[green]holds [/]"
         console.print(f"{mark} {each.claim}", highlight=False)
         for fault in each.faults:
             say(f"       {fault}")
-    if any(each.faults for each in checks):
-        raise typer.Exit(1)
 
 
 @app.command()
 def copy(
     source: Annotated[str, typer.Argument(metavar="FROM_URL", help="Stop its service first.")],
     target: Annotated[str, typer.Argument(metavar="TO_URL", help="An empty database.")],
+    as_json: AsJson = False,
 ) -> None:
     """Copy everything into another database, and prove it by counts and hashes of every table."""
     with (
@@ -85,6 +96,9 @@ def copy(
                 progress.update(tasks[table], completed=rows)
 
             copied = transfer(reader, writer, tell)
+    if as_json:
+        say(json.dumps([asdict(table) for table in copied]))
+        return
     for table in copied:
         say(f"{table.name:16} {table.rows:>10,} rows  sha256 {table.sha256}")
     say("Rows and hashes are equal at both ends.")
@@ -94,6 +108,7 @@ def copy(
 def backup(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="A new file.")],
     database_url: Database = None,
+    as_json: AsJson = False,
 ) -> None:
     """Write a backup of a SQLite database, also while the service works."""
     url = _url(database_url)
@@ -101,7 +116,7 @@ def backup(
         raise typer.BadParameter("back PostgreSQL up with its own pg_dump", param_hint="FILE")
     with _refusing(), _opened(url, "reader") as engine:
         backups.backup(engine, file)
-    say(f"Wrote {file}")
+    say(json.dumps({"file": str(file)}) if as_json else f"Wrote {file}")
 
 
 def _url(database_url: str | None) -> URL:

@@ -9,6 +9,7 @@ import { mayChange, ownerText } from "../parts/caller.js";
 import { Controls } from "../parts/controls.js";
 import { at, element, keyed, setText, within } from "../parts/element.js";
 import { algorithmColour } from "../parts/palette.js";
+import { SavedViews } from "../parts/saved_views.js";
 import { statusCounts, timeElement } from "../parts/status.js";
 import { list, oneOf, text, View } from "../parts/view.js";
 import { Submission } from "../submit/submission.js";
@@ -44,6 +45,7 @@ let listed = [];
 
 new Submission(view);
 new Controls(at("controls", HTMLFormElement), view);
+new SavedViews(view, ASKED);
 follow("", () => refresh.request());
 offerNames();
 view.onChange((fields) => {
@@ -75,7 +77,7 @@ async function load(signal) {
   showRows(items);
   picked.keep(items.map(({ id }) => id));
   at("loading").hidden = true;
-  at("controls").hidden = items.length === 0 && !isFiltered();
+  at("controls").hidden = at("save-view").hidden = items.length === 0 && !isFiltered();
   at("sweeps").hidden = items.length === 0;
   at("none").hidden = items.length > 0 || !isFiltered();
   at("empty").hidden = items.length > 0 || isFiltered();

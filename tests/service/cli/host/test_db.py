@@ -1,5 +1,6 @@
 """`d3pg db` as an operator calls it, on both databases."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -53,6 +54,18 @@ def test_backup_and_its_check(url: str, tmp_path: Path) -> None:
     assert "broken" not in run("check", "--database-url", f"sqlite:///{file}")
     assert "overwrites nothing" in run("backup", str(file), code=1)
     assert "pg_dump" in run("backup", "x", "--database-url", "postgresql:///x", code=2)
+
+
+def test_every_command_answers_in_json(url: str, tmp_path: Path) -> None:
+    assert json.loads(run("upgrade", "--json"))["is_upgraded"] is True
+    assert not any(check["faults"] for check in json.loads(run("check", "--json")))
+    file = tmp_path / "kept.sqlite"
+    assert json.loads(run("backup", str(file), "--json")) == {"file": str(file)}
+    copied = json.loads(run("copy", url, f"sqlite:///{tmp_path / 'b' / 'd3pg.sqlite'}", "--json"))
+    assert {table["name"]: table["rows"] for table in copied}["runs"] == 3
+    damage(url)
+    [broken] = [check for check in json.loads(run("check", "--json", code=1)) if check["faults"]]
+    assert broken["faults"] == ["3 rows break it"]
 
 
 def test_copies_there_and_back_are_equal(url: str, tmp_path: Path) -> None:
