@@ -2,7 +2,7 @@
 
 From outside in: request id, access log, the guard (host, origin, token), the body limit, routes.
 Whoever makes the application opens and closes store and dispatcher; no Ray, torch or matplotlib
-here: figures are drawn in a process beside (`service/api/side_process.py`).
+here: figures are drawn in a process beside (`service/api/load/side_process.py`).
 """
 
 from collections.abc import AsyncIterator
@@ -19,6 +19,8 @@ from service.api.context import Workforce
 from service.api.diagnoser import LIMIT_SECONDS, Diagnoser
 from service.api.event_feed import EventFeed
 from service.api.invalid_request import refuse_invalid
+from service.api.load.read_budget import ReadBudget
+from service.api.load.side_process import SideProcess
 from service.api.logs import AccessLog
 from service.api.refusals.problem_schema import describe_problems
 from service.api.refusals.problems import install_problem_handlers
@@ -40,7 +42,6 @@ from service.api.routes import (
 )
 from service.api.routes.results import curves, diagnoses, figures, measurements, scores
 from service.api.security import Guard
-from service.api.side_process import SideProcess
 from service.settings import Settings
 from service.store.store import Store
 from service.task_shelf import TaskShelf
@@ -95,6 +96,7 @@ def create_app(
     app.state.dispatcher = dispatcher
     app.state.event_feed = EventFeed(store)
     app.state.side = SideProcess()
+    app.state.read_budget = ReadBudget()
     app.state.checkpoints = settings.checkpoint_place
     app.state.webhook_hosts = settings.webhook_hosts
     app.state.worker_memory = settings.run_memory

@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, Protocol
 
+from anyio import from_thread
 from fastapi import Depends, Request
 from fastapi import Path as PathParameter
 
 from service.api.event_feed import EventFeed
+from service.api.load.side_process import Side, SideProcess
 from service.api.refusals.problems import NotFound, printable
-from service.api.requested_side import RequestedSide
-from service.api.side_process import Side
 from service.model.request.entry import Entries
 from service.model.run import Run
 from service.model.sweep import Sweep
@@ -30,6 +30,22 @@ class Workforce(Protocol):
     @property
     def workers(self) -> Mapping[str, bool]:
         """The workers that are up, and whether each is busy."""
+
+
+class RequestedSide:
+    """The process beside the service, for one request: what its client gave up is not begun."""
+
+    def __init__(self, side: SideProcess, request: Request) -> None:
+        """Call nothing yet; calls come from a thread of the event loop's."""
+        self._side = side
+        self._request = request
+
+    def call(self, function: str, *arguments: Any) -> Any:
+        """Return what the function returns, raise what it raises; or BusyError, TooSlowError."""
+        return self._side.call(function, *arguments, is_wanted=self._is_wanted)
+
+    def _is_wanted(self) -> bool:
+        return not from_thread.run(self._request.is_disconnected)
 
 
 def held(name: str) -> Any:

@@ -14,6 +14,7 @@ from service.analysis.figures.figure_data import figure_data
 from service.analysis.figures.figure_form import MEDIA_TYPES, Form
 from service.analysis.figures.paper_figure import MAX_CURVES, PAPER, FigureNumber
 from service.api.context import TheCheckpoints, TheSide, TheStore, TheSweep
+from service.api.load.side_process import BusyError, Side, TooSlowError
 from service.api.refusals.problems import (
     Fault,
     ImpossibleMove,
@@ -24,7 +25,6 @@ from service.api.refusals.problems import (
 from service.api.revalidation import RevalidatedRoute
 from service.api.routes.results.curves import BandQuery, compared
 from service.api.schemas.figure_query import FigureQuery
-from service.api.side_process import BusyError, Side, TooSlowError
 from service.model.sweep import Sweep
 from service.store.store import Store
 from workers.checkpoints.folder import UnavailableError

@@ -135,7 +135,7 @@ def get_verdict(sweep: TheSweep, store: TheStore) -> VerdictAnswer:
 
 def _scores(store: Store, sweep: Sweep, score: Score, *, normalized: bool) -> list[CellScores]:
     return sweep_scores(
-        store.curve_points(sweep.id, SCORES[score].metric),
+        store.curve_points(sweep.id, SCORES[score].metric, only_ends=SCORES[score].of_end),
         Entries(sweep.request),
         score,
         store.random_returns(),
