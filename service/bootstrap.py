@@ -9,7 +9,7 @@ from fastapi import FastAPI
 
 from service.api.access.access_token import webhook_secret
 from service.api.app import create_app
-from service.api.side_process import SideProcess, TooSlowError
+from service.api.load.side_process import SideProcess, TooSlowError
 from service.data_dir import owned
 from service.model.environment import (
     EnvironmentFacts,

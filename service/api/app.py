@@ -3,7 +3,7 @@
 From outside in: the public prefix, request id, access log, the guard (host, origin, token), the
 body limit, routes, each of which says who may call it.
 Whoever makes the application opens and closes store and dispatcher; no Ray, torch or matplotlib
-here: figures are drawn in a process beside (`service/api/side_process.py`).
+here: figures are drawn in a process beside (`service/api/load/side_process.py`).
 """
 
 from collections.abc import AsyncIterator
@@ -23,6 +23,8 @@ from service.api.context import Workforce
 from service.api.diagnoser import LIMIT_SECONDS, Diagnoser
 from service.api.event_feed import EventFeed
 from service.api.invalid_request import refuse_invalid
+from service.api.load.read_budget import ReadBudget
+from service.api.load.side_process import SideProcess
 from service.api.logs import AccessLog
 from service.api.place import PublicPrefix
 from service.api.refusals.problem_schema import describe_problems
@@ -44,7 +46,6 @@ from service.api.routes import (
 )
 from service.api.routes.people import sessions, shares, signin, users
 from service.api.routes.results import curves, diagnoses, figures, measurements, report, scores
-from service.api.side_process import SideProcess
 from service.settings import Settings
 from service.store.store import Store
 from service.task_shelf import TaskShelf
@@ -109,6 +110,7 @@ def create_app(
     app.state.dispatcher = dispatcher
     app.state.event_feed = EventFeed(store)
     app.state.side = SideProcess()
+    app.state.read_budget = ReadBudget()
     app.state.checkpoints = settings.checkpoint_place
     app.state.webhook_hosts = settings.webhook_hosts
     app.state.worker_memory = settings.run_memory

@@ -9,8 +9,8 @@ from fastapi import Path as PathParameter
 
 from service.api.access.register import Register
 from service.api.event_feed import EventFeed
+from service.api.load.side_process import Side, SideProcess
 from service.api.refusals.problems import Fault, InvalidRequest, NotFound, printable
-from service.api.side_process import Side, SideProcess
 from service.model.caller import Caller
 from service.model.compared import SEPARATOR, Compared
 from service.model.request.entry import Entries
@@ -37,10 +37,10 @@ class Workforce(Protocol):
 
 
 class RequestedSide:
-    """A Side for one request, on a thread of its own: what its client gave up is not begun."""
+    """The process beside the service, for one request: what its client gave up is not begun."""
 
     def __init__(self, side: SideProcess, request: Request) -> None:
-        """Call nothing yet."""
+        """Call nothing yet; calls come from a thread of the event loop's."""
         self._side = side
         self._request = request
 

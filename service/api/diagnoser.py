@@ -12,8 +12,8 @@ import structlog
 
 from algorithms.diagnostics.finding import Finding
 from service.api.learned import Learned
+from service.api.load.side_process import OwnSide
 from service.api.refusals.problems import ImpossibleMove, ServiceBusy
-from service.api.side_process import OwnSide
 from service.model.run import Run
 from service.store.store import Store
 from service.task_shelf import TaskShelf

@@ -6,8 +6,8 @@ from fastapi import Depends
 
 from physics.task_file import TaskFile
 from service.api.context import TheCheckpoints, TheShelf, TheSide
+from service.api.load.side_process import BusyError, TooSlowError
 from service.api.refusals.problems import ImpossibleMove, ServiceBusy
-from service.api.side_process import BusyError, TooSlowError
 from service.model.environment import environment_facts
 from service.model.run import Run
 from workers.checkpoints.checkpoint_folder import has_policy

@@ -8,6 +8,9 @@ tag goes by the sweeps' newest events (every change has one), the newest random 
 of the normalised scale), the question, and this process: another version of the program may draw
 the same data differently. It is read before the answer is made, so an answer can be newer than its
 tag says and is then fetched once too often, never once too rarely.
+
+These are the answers that are made of all that a sweep has measured, so they have a budget
+(`service/api/load/read_budget.py`).
 """
 
 import hashlib
@@ -66,7 +69,9 @@ class RevalidatedRoute(APIRoute):
             headers = {"ETag": tag}
             if tag in known_tags(request.headers.get("if-none-match", "")):
                 return Response(status_code=304, headers=headers)
-            response = await answer(request)
+            points = await run_in_threadpool(points_of, request)
+            async with request.app.state.read_budget.of(points):
+                response = await answer(request)
             if response.status_code == 200:
                 response.headers.update(headers)
             return response
@@ -88,6 +93,12 @@ def entity_tag(request: Request) -> str | None:
 def weak_tag(content: bytes | memoryview) -> str:
     """Return the weak tag of what an answer says, or follows from."""
     return f'W/"{hashlib.sha256(content).hexdigest()[:32]}"'
+
+
+def points_of(request: Request) -> int:
+    """Return about how many measurements the sweep has."""
+    store: Store = request.app.state.store
+    return store.count_points(request.path_params["sweep_id"])
 
 
 def known_tags(header: str) -> set[str]:

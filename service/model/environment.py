@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
@@ -178,6 +178,6 @@ def _installed_facts(name: str) -> EnvironmentFacts:
     return told or _made_facts(name)
 
 
-@cache
+@lru_cache(maxsize=1024)  # a name may state any values of parameters
 def _made_facts(name: str) -> EnvironmentFacts:
     return EnvironmentFacts.of(physics.make(name))

@@ -8,7 +8,7 @@ costs time alone.
 """
 
 import os
-from functools import cache
+from functools import lru_cache
 from pathlib import Path
 
 from algorithms.memory import bytes_per_run
@@ -46,7 +46,7 @@ def runs_at_once(cell: RunSpec, worker_memory: int) -> int:
     return COHORT_LIMIT if each == 0 else max(1, min(COHORT_LIMIT, worker_memory // each))
 
 
-@cache
+@lru_cache(maxsize=1024)
 def memory_of(cell: RunSpec) -> int:
     """Bytes that each run of a cell comes to fill. Raises ValueError for what no learner takes."""
     return bytes_per_run(

@@ -44,6 +44,7 @@ from service.store.connection import connect
 from service.store.reader import Reader
 from service.store.reading import (
     costs,
+    curves,
     diagnoses,
     events,
     occupation,
@@ -270,7 +271,8 @@ class Store:
 
     measurements = _reads(measured.of_run)
     sweep_measurements = _reads(measured.of_runs)
-    curve_points = _reads(measured.curves)
+    curve_points = _reads(curves.curves)
+    count_points = _reads(curves.count)
     return_outlines = _reads(measured.outlines)
     diagnostic_names = _reads(measured.diagnostic_names)
     record_random_return = _writes(zeros.put)

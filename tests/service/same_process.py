@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pkgutil import resolve_name
 from typing import Any
 
-from service.api.side_process import always
+from service.api.load.side_process import always
 
 
 class SameProcess:

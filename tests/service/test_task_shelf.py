@@ -12,7 +12,7 @@ from starlette.testclient import TestClient
 
 import algorithms
 from physics.task_file import TaskFile
-from service.api.side_process import SideProcess
+from service.api.load.side_process import SideProcess
 from service.bootstrap import filled_shelf, wired
 from service.model.environment import (
     best_return,

@@ -30,11 +30,13 @@ class ScoreKind:
     metric  what of the run's measurements it is made of
     of      (timesteps [n], the metric there [n], T) -> the score; n >= 1
     text    what it is, in words
+    of_end  whether it is made of those in the last tenth of T, and the last, alone
     """
 
     metric: str
     of: Scored
     text: str
+    of_end: bool = True
 
 
 def final_score(timesteps: Floats, return_mean: Floats, asked: int) -> float:
@@ -71,5 +73,6 @@ SCORES: Mapping[Score, ScoreKind] = {
         lambda timesteps, returns, _: area(timesteps, returns),
         "the area under the curve of return_mean over timesteps (its mean along the run, by "
         "trapezoids)",
+        of_end=False,
     ),
 }

@@ -10,10 +10,12 @@ same interval, and one algorithm's interval does not move with the company it is
 """
 
 import math
+import threading
+from collections import OrderedDict
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from physics.randomness import generator
 from service.analysis.curves import Floats
@@ -31,13 +33,42 @@ class Estimate:
     high: float
 
 
-@lru_cache(maxsize=64)
+class Draws:
+    """The counts that were drawn last, as small as they are exact, in so many bytes."""
+
+    def __init__(self, most_bytes: int) -> None:
+        """Keep nothing yet."""
+        self._most_bytes = most_bytes
+        self._kept: OrderedDict[tuple[int, int], NDArray[np.uint16]] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def counts(self, runs: int, stratum: int) -> NDArray[np.uint16]:
+        """Return how often each of a task's runs was drawn [RESAMPLES, runs]."""
+        key = (runs, stratum)
+        with self._lock:
+            if key in self._kept:
+                self._kept.move_to_end(key)
+                return self._kept[key]
+        draws = generator(0, "stratified bootstrap", stratum)
+        drawn = draws.multinomial(runs, np.full(runs, 1 / runs), size=RESAMPLES).astype(np.uint16)
+        with self._lock:
+            self._kept[key] = drawn
+            while self.bytes > self._most_bytes:
+                self._kept.popitem(last=False)
+        return drawn
+
+    @property
+    def bytes(self) -> int:
+        """What is kept."""
+        return sum(each.nbytes for each in self._kept.values())
+
+
+_draws = Draws(most_bytes=2**25)
+
+
 def draw_counts(runs: int, stratum: int) -> Floats:
     """Return how often each of a task's runs was drawn [RESAMPLES, runs]; rows sum to `runs`."""
-    draws = generator(0, "stratified bootstrap", stratum)
-    counts = draws.multinomial(runs, np.full(runs, 1 / runs), size=RESAMPLES).astype(np.float64)
-    counts.flags.writeable = False
-    return counts
+    return _draws.counts(runs, stratum).astype(np.float64)
 
 
 def estimate(value: float, resampled: Floats, *, is_defined: bool) -> Estimate:

@@ -1,30 +1,25 @@
-"""Measurements: adding new ones, reading one run's, reading a whole sweep's as columns."""
+"""Measurements: adding new ones, reading those of runs."""
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-from sqlalchemy import Column, Connection, Row, ScalarSelect, Select, case, false, func, or_, select
+from sqlalchemy import Connection, Row, ScalarSelect, Select, case, false, func, or_, select
 
-from algorithms.measurement import Measurement
-from service.model.run import Run, RunStatus
-from service.model.run_curve import RETURNS, RunCurve
+from algorithms.measurement import MEASURE_EVERY, Measurement
+from service.model.run import Run
 from service.model.run_name import RunName
 from service.store.reading import diagnostics
 from service.store.reading.rows import noun_of
-from service.store.reading.runs import named, run_of, select_runs, spec_of
+from service.store.reading.runs import named, run_of, select_runs
 from service.store.tables import measurements, runs, sweeps
 from service.store.upkeep.copy_in import copy_in
 
+POINTS_AT_ONCE = 1_000
+"""So many measurements with all their diagnostics are read together, of about a kilobyte each."""
+MOST_RUNS = 1000
+"""So many runs are asked for by their numbers in one query."""
 COLUMNS = tuple(column.name for column in measurements.columns)
-ABSCISSAE: Mapping[str, Column[Any]] = {
-    "timesteps": measurements.c.timestep,
-    "updates": measurements.c.updates,
-    "jacobians": measurements.c.jacobians,
-    "seconds": measurements.c.seconds,
-}
 
 
 def add(
@@ -130,14 +125,18 @@ def of_run(connection: Connection, run_id: str) -> list[Measurement]:
 def of_runs(
     connection: Connection, sweep_id: str, after: int, limit: int
 ) -> list[tuple[Run, list[Measurement]]]:
-    """Return some runs of a sweep with all that they measured, from the ordinal after one on."""
+    """Return some runs of a sweep with all that they measured, from the ordinal after one on.
+
+    They are at most `limit`, and fewer where their points would be many more than POINTS_AT_ONCE.
+    """
     query = (
         select_runs()
         .where(sweeps.c.id == sweep_id, runs.c.ordinal > after)
         .order_by(runs.c.ordinal)
         .limit(limit)
     )
-    found = {row.number: row for row in connection.execute(query)}
+    listed = next(by_points(connection.execute(query).all(), POINTS_AT_ONCE), [])
+    found = {row.number: row for row in listed}
     names = diagnostics.sets(connection)
     points: dict[int, list[Measurement]] = {number: [] for number in found}
     measured = (
@@ -169,7 +168,7 @@ def outlines(connection: Connection, run_ids: Sequence[str], points: int) -> dic
         .order_by(measurements.c.run_number, measurements.c.timestep)
     )
     values: dict[int, list[float]] = {}
-    for number, value in _driver_rows(connection, query):
+    for number, value in driver_rows(connection, query):
         values.setdefault(number, []).append(math.nan if value is None else value)
     return {
         ids[number]: column[:: -math.ceil(len(column) / points)][::-1]
@@ -179,87 +178,34 @@ def outlines(connection: Connection, run_ids: Sequence[str], points: int) -> dic
 
 def diagnostic_names(connection: Connection, sweep_id: str) -> list[str]:
     """Return the names of all diagnostics that runs of the sweep have measured."""
+    own = select(runs.c.number).join(sweeps, sweeps.c.number == runs.c.sweep_number)
     used = (
         select(measurements.c.diagnostic_set)
-        .join(runs, runs.c.number == measurements.c.run_number)
-        .join(sweeps, sweeps.c.number == runs.c.sweep_number)
-        .where(sweeps.c.id == sweep_id)
-        .distinct()
-        .order_by(measurements.c.diagnostic_set)
+        .where(measurements.c.run_number.in_(own.where(sweeps.c.id == sweep_id)))  # not joined:
+        .distinct()  # SQLite would sort all measurements, in memory
     )
     names = diagnostics.sets(connection)
-    return list(
-        dict.fromkeys(name for number in connection.scalars(used) for name in names[number])
-    )
+    numbers = sorted(connection.scalars(used))
+    return list(dict.fromkeys(name for number in numbers for name in names[number]))
 
 
-def curves(
-    connection: Connection,
-    sweep_id: str,
-    metric: str,
-    x: str = "timesteps",
-    ordinal: int | None = None,
-) -> list[RunCurve]:
-    """Return a metric of every run of the sweep in their order, or of the one of that ordinal.
-
-    metric is "return_mean", "return_history" or a diagnostic's name, x one of ABSCISSAE. A run
-    without such measurements has an empty curve. Raises ValueError for another x.
-    """
-    if x not in ABSCISSAE:
-        raise ValueError(f"x is one of {', '.join(ABSCISSAE)}, got {x!r}")
-    chosen = select(runs).join(sweeps, sweeps.c.number == runs.c.sweep_number)
-    chosen = chosen.where(sweeps.c.id == sweep_id)
-    if ordinal is not None:
-        chosen = chosen.where(runs.c.ordinal == ordinal)
-    numbers, abscissa, values = _points(connection, chosen, metric, ABSCISSAE[x])
-    listed = connection.execute(chosen.order_by(runs.c.ordinal)).all()
-    starts = np.searchsorted(numbers, [row.number for row in listed], side="left")
-    ends = np.searchsorted(numbers, [row.number for row in listed], side="right")
-    return [
-        _curve(row, sweep_id, abscissa[start:end], values[start:end])
-        for row, start, end in zip(listed, starts, ends, strict=True)
-    ]
+def by_points(listed: Sequence[Row[Any]], most: int) -> Iterator[list[Row[Any]]]:
+    """Yield rows of runs, so many together that they have about as many points as that."""
+    together: list[Row[Any]] = []
+    points = 0
+    for row in listed:
+        together.append(row)
+        points += max(row.timestep // MEASURE_EVERY, most // MOST_RUNS)
+        if points >= most:
+            yield together
+            together, points = [], 0
+    if together:
+        yield together
 
 
-def _points(
-    connection: Connection, chosen: Select[Any], metric: str, x: Column[Any]
-) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
-    """All points of runs, in order of run and timestep: run number, x, value, each [n]."""
-    query = (
-        select(measurements.c.run_number, x)
-        .where(
-            measurements.c.run_number.in_(chosen.with_only_columns(runs.c.number))
-        )  # not joined: then nothing is sorted
-        .order_by(measurements.c.run_number, measurements.c.timestep)
-    )
-    if metric in RETURNS:
-        rows = _driver_rows(connection, query.add_columns(measurements.c[metric]))
-        points = np.array(rows, np.float64).reshape(-1, 3)  # NULL comes as None, read as NaN
-        return points[:, 0].astype(np.int64), points[:, 1], points[:, 2]
-    names = diagnostics.sets(connection)
-    in_set = measurements.c.diagnostic_set
-    holding = [number for number, listed in names.items() if metric in listed]
-    query = query.add_columns(in_set, measurements.c.diagnostics).where(in_set.in_(holding))
-    rows = _driver_rows(connection, query)
-    points = np.array([row[:3] for row in rows], np.float64).reshape(-1, 3)
-    values = np.empty(len(rows))
-    for set_number in holding:
-        places = np.flatnonzero(points[:, 2] == set_number)
-        packed = [rows[place][3] for place in places]
-        values[places] = diagnostics.column(names[set_number], metric, packed)
-    return points[:, 0].astype(np.int64), points[:, 1], values
-
-
-def _driver_rows(connection: Connection, query: Select[Any]) -> list[tuple[Any, ...]]:
+def driver_rows(connection: Connection, query: Select[Any]) -> list[tuple[Any, ...]]:
     """Return the driver's own rows; SQLAlchemy's would cost three times as much."""
     return list(connection.execute(query).cursor.fetchall())
-
-
-def _curve(
-    row: Row[Any], sweep_id: str, x: NDArray[np.float64], values: NDArray[np.float64]
-) -> RunCurve:
-    name, status = str(RunName(sweep_id, row.ordinal)), RunStatus(row.status)
-    return noun_of(RunCurve, row, run_id=name, spec=spec_of(row), status=status, x=x, values=values)
 
 
 def final_score() -> ScalarSelect[Any]:

@@ -8,7 +8,7 @@ from anyio import to_thread
 from fastapi import Request
 
 from service.api.context import RequestedSide
-from service.api.side_process import AbandonedError, SideProcess
+from service.api.load.side_process import AbandonedError, SideProcess
 
 
 async def asked(side: SideProcess, messages: list[dict[str, Any]]) -> Any:

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from service.api.diagnoser import Diagnoser
-from service.api.side_process import SideProcess, TooSlowError
+from service.api.load.side_process import SideProcess, TooSlowError
 from service.model.diagnosis import Diagnosis
 from service.model.run import Run
 from service.store.store import Store

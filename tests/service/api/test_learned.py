@@ -6,7 +6,7 @@ import pytest
 from fastapi import FastAPI
 from starlette.testclient import TestClient
 
-from service.api.side_process import BusyError
+from service.api.load.side_process import BusyError
 from service.model.environment import environment_facts
 from service.settings import Settings
 from tests.service.api.routes.test_rollouts import unlearned

@@ -123,10 +123,18 @@ def compared(store: Store, sweep: Compared, view: View, run: int | None = None) 
 
 
 def run_curves(
-    store: Store, sweep: Compared, metric: str, x: str = "timesteps", run: int | None = None
+    store: Store,
+    sweep: Compared,
+    metric: str,
+    x: str = "timesteps",
+    run: int | None = None,
+    *,
+    only_ends: bool = False,
 ) -> list[RunCurve]:
-    """Return a metric of every run. Raises ImpossibleMove where runs cannot be compared."""
-    own = [store.curve_points(each.id, metric, x, run) for each in sweep.sweeps]
+    """Return a metric of every run, or its end. ImpossibleMove where they cannot be compared."""
+    own = [
+        store.curve_points(each.id, metric, x, run, only_ends=only_ends) for each in sweep.sweeps
+    ]
     try:
         return sweep.joined(own)
     except ValueError as error:

@@ -19,6 +19,7 @@ from service.api.context import (
 )
 from service.api.diagnoser import Diagnoser
 from service.api.learned import Learned, TheLearned
+from service.api.load.side_process import BusyError, Side, TooSlowError
 from service.api.place import here
 from service.api.refusals.nearest import unknown_name
 from service.api.refusals.problems import (
@@ -30,7 +31,6 @@ from service.api.refusals.problems import (
 )
 from service.api.revalidation import RevalidatedRoute
 from service.api.schemas.diagnosis_answer import CellsQuery, DiagnosisAnswer
-from service.api.side_process import BusyError, Side, TooSlowError
 from service.model.diagnosis import Diagnosis
 from service.model.request.entry import Entries, Entry
 from service.model.run import Run

@@ -15,6 +15,7 @@ from service.analysis.figures.figure_form import MEDIA_TYPES, Form
 from service.analysis.figures.paper_figure import MAX_CURVES, PAPER, FigureNumber, PaperFigure
 from service.api.access.authority import MAY_READ
 from service.api.context import TheCheckpoints, TheCompared, TheSide, TheStore, TheSweep
+from service.api.load.side_process import BusyError, Side, TooSlowError
 from service.api.refusals.problems import (
     Fault,
     ImpossibleMove,
@@ -25,7 +26,6 @@ from service.api.refusals.problems import (
 from service.api.revalidation import RevalidatedRoute
 from service.api.routes.results.curves import BandQuery, compared
 from service.api.schemas.figure_query import FigureQuery
-from service.api.side_process import BusyError, Side, TooSlowError
 from service.model.compared import Compared
 from service.model.sweep import Sweep
 from service.store.store import Store

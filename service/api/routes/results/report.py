@@ -18,6 +18,7 @@ from service.analysis.figures.paper_figure import MAX_CURVES
 from service.analysis.statistics.score_table import score_table
 from service.api.access.authority import MAY_READ
 from service.api.context import TheCompared, TheSide, TheStore
+from service.api.load.side_process import Side
 from service.api.refusals.problems import InvalidRequest
 from service.api.report.parts import (
     Table,
@@ -32,7 +33,6 @@ from service.api.routes.results.curves import BandQuery, compared
 from service.api.routes.results.figures import CURVES, drawn, refuse_more_curves
 from service.api.routes.results.scores import scores_of, statistics_of
 from service.api.shell import document
-from service.api.side_process import Side
 from service.model.compared import Compared
 from service.store.store import Store
 

@@ -177,7 +177,7 @@ def get_search(sweep: TheSweep, store: TheStore) -> SearchAnswer:
 def scores_of(store: Store, sweep: Compared, score: Score, *, normalized: bool) -> list[CellScores]:
     """Return the scores of all cells. Raises ImpossibleMove as `run_curves`."""
     return sweep_scores(
-        run_curves(store, sweep, SCORES[score].metric),
+        run_curves(store, sweep, SCORES[score].metric, only_ends=SCORES[score].of_end),
         sweep.entries,
         score,
         store.random_returns(),

@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from service.analysis.statistics.stratified_bootstrap import RESAMPLES, draw_counts, estimate
+from service.analysis.statistics.stratified_bootstrap import (
+    RESAMPLES,
+    Draws,
+    draw_counts,
+    estimate,
+)
 
 
 def test_each_resample_has_as_many_runs() -> None:
@@ -15,11 +20,23 @@ def test_each_resample_has_as_many_runs() -> None:
 
 
 def test_draws_are_the_same_each_time_and_differ_by_task() -> None:
-    draw_counts.cache_clear()
-    first = draw_counts(5, 0).copy()
-    draw_counts.cache_clear()
-    assert np.array_equal(draw_counts(5, 0), first)
+    first = Draws(most_bytes=0).counts(5, 0)
+    assert np.array_equal(Draws(most_bytes=2**20).counts(5, 0), first)
+    assert np.array_equal(draw_counts(5, 0), first.astype(np.float64))
     assert not np.array_equal(draw_counts(5, 1), first)
+
+
+def test_no_more_is_kept_than_was_said_and_the_oldest_go_first() -> None:
+    each = RESAMPLES * 5 * 2
+    draws = Draws(most_bytes=2 * each)
+    kept = [draws.counts(5, stratum) for stratum in range(2)]
+    assert draws.counts(5, 0) is kept[0]
+    draws.counts(5, 2)
+    assert draws.bytes == 2 * each
+    assert draws.counts(5, 0) is kept[0]
+    assert draws.counts(5, 1) is not kept[1], "it was used last before the others"
+    draws.counts(1000, 0)
+    assert draws.bytes <= 2 * each
 
 
 def test_the_interval_of_a_mean_is_scipys() -> None:

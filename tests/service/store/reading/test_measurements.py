@@ -4,8 +4,6 @@ import math
 import struct
 from dataclasses import replace
 
-import numpy as np
-import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -17,7 +15,6 @@ from service.store.store import Store
 from tests.service.store.conftest import Submit, measured
 from workers.messages.progress import Progress
 from workers.messages.random_return import RandomReturn
-from workers.messages.run_spec import RunSpec
 
 LEASE = 60.0
 FLOATS = st.floats(width=64)  # NaN and both infinities too
@@ -143,59 +140,6 @@ def test_a_curve_is_of_one_fingerprint(store: Store, submit: Submit) -> None:
     assert store.measurements(run_id) == []
 
 
-def test_curves_are_columns_of_every_run(store: Store, submit: Submit) -> None:
-    sweep = submit(seeds=3, timesteps=80_000)
-    claim = store.claim_cohort("w", LEASE, 2)
-    assert claim is not None
-    taken = tuple(measured(1, timestep, -timestep / 7) for timestep in (800, 1600, 2400))
-    store.record(claim, Progress(2400, measurements=taken[1:]))
-    store.record(claim, Progress(2400, measurements=taken[:1]))
-    submit(seeds=1)
-    for metric, expected in (
-        ("return_mean", [m.return_mean for m in taken]),
-        ("return_history", [m.return_history for m in taken]),
-        ("critic_loss", [m.diagnostics["critic_loss"] for m in taken]),
-    ):
-        curves = store.curve_points(sweep.id, metric)
-        assert [curve.values.tolist() for curve in curves] == [[], expected, []]
-    assert [curve.spec.seed for curve in curves] == [0, 1, 2]
-    assert [curve.status for curve in curves] == ["running", "running", "queued"]
-    abscissae: tuple[tuple[str, list[float]], ...] = (
-        ("timesteps", [800, 1600, 2400]),
-        ("updates", [400, 800, 1200]),
-        ("jacobians", [2400, 4800, 7200]),
-        ("seconds", [0.8, 1.6, 2.4]),
-    )
-    for x, places in abscissae:
-        assert store.curve_points(sweep.id, "return_mean", x)[1].x.tolist() == places
-    assert store.curve_points(sweep.id, "no such metric")[1].values.tolist() == []
-    assert store.curve_points("no sweep", "return_mean") == []
-    with pytest.raises(ValueError, match="timesteps, updates, jacobians, seconds"):
-        store.curve_points(sweep.id, "return_mean", "days")
-
-
-def test_runs_may_measure_different_diagnostics(store: Store, submit: Submit) -> None:
-    sweep = submit(seeds=2)
-    claim = store.claim_cohort("w", LEASE)
-    assert claim is not None
-    store.record(
-        claim,
-        Progress(
-            800,
-            measurements=(
-                replace(measured(0, 800), diagnostics={"a": 1.0, "b": math.inf}),
-                replace(measured(1, 800), diagnostics={"b": 2.0, "c": math.nan}),
-                replace(measured(1, 1600), diagnostics={}),
-            ),
-        ),
-    )
-    assert store.diagnostic_names(sweep.id) == ["a", "b", "c"]
-    assert [c.values.tolist() for c in store.curve_points(sweep.id, "b")] == [[math.inf], [2.0]]
-    assert [c.x.tolist() for c in store.curve_points(sweep.id, "b")] == [[800.0], [800.0]]
-    [_, third] = store.curve_points(sweep.id, "c")
-    assert np.isnan(third.values).tolist() == [True]
-
-
 def test_random_returns_are_kept_per_version(store: Store, submit: Submit) -> None:
     first = RandomReturn("Pendulum", 1, -1232.6, -1250.3, -1214.9, 1000)
     second = replace(first, version=2, mean=-1200.0)
@@ -203,21 +147,3 @@ def test_random_returns_are_kept_per_version(store: Store, submit: Submit) -> No
     store.record_random_return(first)
     store.record(claimed(store, submit), Progress(0, random_return=second))
     assert store.random_returns() == {("Pendulum", 1): first, ("Pendulum", 2): second}
-
-
-def test_every_point_of_a_sweep_is_read(store: Store) -> None:
-    """How long that takes for a large one is measured by benchmarks/store."""
-    specs = [
-        RunSpec(f"learner {learner}", f"task {task}", seed)
-        for task in range(2)
-        for learner in range(3)
-        for seed in range(16)
-    ]
-    versions = {spec.environment: 1 for spec in specs}
-    sweep = store.create_sweep("large", 0, {}, specs, environment_versions=versions)
-    points = tuple(measured(seed, 800 * (i + 1)) for i in range(62) for seed in range(16))
-    while (claim := store.claim_cohort("w", LEASE)) is not None:
-        store.record(claim, Progress(49_600, measurements=points, finished=tuple(range(16))))
-    for metric in ("return_mean", "critic_loss"):
-        curves = store.curve_points(sweep.id, metric)
-        assert sum(len(curve.values) for curve in curves) == 62 * len(specs)

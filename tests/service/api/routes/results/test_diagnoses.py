@@ -8,9 +8,9 @@ import pytest
 from fastapi import FastAPI
 from starlette.testclient import TestClient
 
+from service.api.load.side_process import BusyError
 from service.api.routes.results import diagnoses
 from service.api.schemas.diagnosis_answer import DiagnosisAnswer
-from service.api.side_process import BusyError
 from service.settings import Settings
 from service.store.store import Store
 from tests.service.api.routes.results.test_figures import texts

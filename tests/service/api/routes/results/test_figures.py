@@ -14,7 +14,7 @@ from starlette.testclient import TestClient
 
 from algorithms.early_end import Divergence
 from service.analysis.figures.die_figure import bounces
-from service.api.side_process import BusyError
+from service.api.load.side_process import BusyError
 from service.settings import Settings
 from service.store.store import Store
 from tests.service.conftest import SWEEP, changed

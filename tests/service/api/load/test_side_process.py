@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from service.api import side_process
-from service.api.side_process import AbandonedError, BusyError, SideProcess, TooSlowError
+from service.api.load import side_process
+from service.api.load.side_process import AbandonedError, BusyError, SideProcess, TooSlowError
 
 
 @pytest.fixture
@@ -104,7 +104,7 @@ def test_it_ends_with_the_service_however_that_ends() -> None:
     """A service that is killed leaves no process behind: the pipe of its output closes."""
     code = (
         "import os\n"
-        "from service.api.side_process import SideProcess\n"
+        "from service.api.load.side_process import SideProcess\n"
         "if __name__ == '__main__':\n"
         "    print(SideProcess().call('os:getpid'), flush=True)\n"
         "    os.kill(os.getpid(), 9)\n"

@@ -1,0 +1,1 @@
+"""What keeps heavy requests from holding the others up."""
