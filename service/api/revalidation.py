@@ -82,8 +82,7 @@ class RevalidatedRoute(APIRoute):
 def entity_tag(request: Request) -> str | None:
     """Return the weak tag of the present answer; None where there is no such sweep."""
     store: Store = request.app.state.store
-    ids = request.path_params["sweep_id"].split(SEPARATOR)[:MAX_COMPARED]
-    version = [store.sweep_version(each) if may_be_id(each) else None for each in ids]
+    version = [store.sweep_version(each) if may_be_id(each) else None for each in ids_of(request)]
     if None in version:
         return None
     question = (request.url.path, request.url.query, request.headers.get("accept", ""))
@@ -96,9 +95,15 @@ def weak_tag(content: bytes | memoryview) -> str:
 
 
 def points_of(request: Request) -> int:
-    """Return about how many measurements the sweep has."""
+    """Return about how many measurements the sweeps have."""
     store: Store = request.app.state.store
-    return store.count_points(request.path_params["sweep_id"])
+    return sum(store.count_points(each) for each in ids_of(request))
+
+
+def ids_of(request: Request) -> list[str]:
+    """Return the ids in a path: a sweep's, or those of several compared."""
+    sweep_id: str = request.path_params["sweep_id"]
+    return sweep_id.split(SEPARATOR)[:MAX_COMPARED]
 
 
 def known_tags(header: str) -> set[str]:
