@@ -26,8 +26,8 @@ Written = dict[str, Any]
 class Converter:
     """How a form is written.
 
-    write  (client, sweep, output) -> how much
-    opened  how to open it, with the output in place of {}
+    write      (client, sweep, output) -> how much
+    opened     how to open it, with the output in place of {}
     is_folder  whether it writes a folder of files of its own
     """
 

@@ -51,16 +51,23 @@ def export(
             for run in runs_of(client, identifier):
                 print_json(client.measurements(run.id), indent=None)
             return
-        if is_run(identifier):
-            text = written(list(measurement_rows(client, runs_of(client, identifier))))
+        if output is None:
+            write_out(_run_csv(client, identifier) or client.sweep_csv(identifier))
+            return
+        if text := _run_csv(client, identifier):
+            output.write_text(text, encoding="utf-8", newline="")
         else:
-            text = client.sweep_csv(identifier)
-    if output is None:
-        write_out(text)
-    else:
-        output.write_text(text, encoding="utf-8", newline="")
-        lines = sum(1 for _ in csv.reader(io.StringIO(text, newline="")))
-        say(f"Wrote {lines - 1} measurements to {output}")
+            client.save_measurements(identifier, output)
+    with output.open(encoding="utf-8", newline="") as file:
+        lines = sum(1 for _ in csv.reader(file))
+    say(f"Wrote {lines - 1} measurements to {output}")
+
+
+def _run_csv(client: Client, identifier: str) -> str:
+    """The measurements of a run as CSV; empty for a sweep, which is too large for a text."""
+    if not is_run(identifier):
+        return ""
+    return written(list(measurement_rows(client, runs_of(client, identifier))))
 
 
 def _for_others(identifier: str, form: Format, output: Path | None, as_json: bool) -> None:
