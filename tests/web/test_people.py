@@ -35,7 +35,7 @@ def test_a_sweep_is_shared_from_its_page(
     signed_in.emulate_media(color_scheme="dark" if scheme == "dark" else "light")
     signed_in.goto(f"{live.url}/sweeps/{sweep.id}?table=Pendulum")
     signed_in.get_by_role("button", name="Share").click()
-    signed_in.get_by_label("For").select_option("a day")
+    signed_in.get_by_label("For how long").select_option("a day")
     signed_in.get_by_role("button", name="Make a link to read this").click()
     expect(signed_in.locator("#share-state")).to_contain_text("can read this sweep until")
     assert violations(signed_in) == []
