@@ -33,7 +33,7 @@ class EnvironmentFacts:
     regimes: tuple[str, ...]
     """The kinds of step that its gradient audit reports apart."""
     parameters: tuple[Parameter, ...]
-    """Its physical parameters, as it declares them, and those of noise."""
+    """Its physical parameters, as it declares them; all have those of noise beside."""
     file: str = ""
     """The name of the task file that it comes from; empty for an installed task."""
 
@@ -51,7 +51,7 @@ class EnvironmentFacts:
             max_reward=environment.max_reward,
             reward_is_differentiable=environment.reward_is_differentiable,
             regimes=environment.regimes,
-            parameters=(*declared(type(environment)).values(), *noise.PARAMETERS),
+            parameters=tuple(declared(type(environment)).values()),
         )
 
     @property
@@ -114,7 +114,7 @@ def environment_facts(environment: str) -> EnvironmentFacts:
     """
     name, values = parse(environment)
     facts = _Told.of_files.get(name) or _installed_facts(name)
-    if noise.is_noisy(checked(name, facts.parameters, values)):
+    if noise.is_noisy(checked(name, (*facts.parameters, *noise.PARAMETERS), values)):
         return replace(facts, state_size=facts.state_size + noise.PLACE)
     return facts
 
@@ -137,9 +137,10 @@ def submittable_facts(environment: str) -> EnvironmentFacts:
 def without_defaults(environment: str) -> str:
     """Return the environment without the values that are its defaults: the same task, if known."""
     try:
-        defaults = {each.name: each.default for each in environment_facts(environment).parameters}
+        known = (*environment_facts(environment).parameters, *noise.PARAMETERS)
     except ValueError:
         return environment
+    defaults = {each.name: each.default for each in known}
     name, values = parse(environment)
     return label(name, {each: value for each, value in values.items() if value != defaults[each]})
 

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 from algorithms import catalogue
 from algorithms.presets import Preset, preset
 from physics.audit.record import audited
+from physics.noise import PARAMETERS
 from service.api.access.authority import MAY_SEE_SHARED
 from service.api.context import TheCaller, TheStore
 from service.api.schemas.requests.sweep_request import (
@@ -68,7 +69,6 @@ class ParameterAnswer(BaseModel):
     least: float
     greatest: float
     meaning: str
-    of_every_task: bool = Field(description="Whether all environments have it, as those of noise.")
 
 
 class EnvironmentAnswer(BaseModel):
@@ -140,6 +140,16 @@ class CatalogueAnswer(BaseModel):
                             "audit": [],
                         }
                     ],
+                    "parameters": [
+                        {
+                            "name": "process_noise",
+                            "unit": "1",
+                            "default": 0.0,
+                            "least": 0.0,
+                            "greatest": 1000.0,
+                            "meaning": "deviation of what moves each coordinate before a step",
+                        }
+                    ],
                     "limits": {
                         "runs": MAX_RUNS,
                         "timesteps": MAX_TIMESTEPS,
@@ -155,6 +165,9 @@ class CatalogueAnswer(BaseModel):
 
     algorithms: list[AlgorithmAnswer]
     environments: list[EnvironmentAnswer]
+    parameters: list[ParameterAnswer] = Field(
+        description="What a sweep may give to every environment beside its own: noise."
+    )
     limits: LimitsAnswer
 
 
@@ -169,6 +182,7 @@ def get_catalogue(caller: TheCaller, store: TheStore) -> CatalogueAnswer:
     return CatalogueAnswer(
         algorithms=[_algorithm(name, environments) for name in algorithms],
         environments=[_environment(facts) for facts in environments],
+        parameters=[ParameterAnswer(**asdict(parameter)) for parameter in PARAMETERS],
         limits=LimitsAnswer(),
     )
 

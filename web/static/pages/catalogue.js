@@ -23,7 +23,7 @@ follow("", (kind) => {
 async function load(signal) {
   const catalogue = await get("/catalogue", {}, signal);
   fillEnvironments(catalogue.environments);
-  fillParameters(catalogue.environments);
+  fillParameters(catalogue);
   at("algorithms").replaceChildren(...catalogue.algorithms.map(algorithmCard));
   at("loading").hidden = true;
   at("body").hidden = false;
@@ -100,15 +100,16 @@ function auditCells(found) {
   ];
 }
 
-/** @param {Api.Environment[]} environments */
-function fillParameters(environments) {
+/**
+ * @param {Api.Schemas["CatalogueAnswer"]} catalogue
+ */
+function fillParameters({ environments, parameters: common }) {
   const heads = ["Environment", "Parameter", "Default", "Range", "Meaning"].map((name) =>
     element("th", { scope: "col" }, name),
   );
   const own = environments.flatMap(({ name, parameters }) =>
-    parameters.filter(({ of_every_task }) => !of_every_task).map((one) => parameterRow(name, one)),
+    parameters.map((one) => parameterRow(name, one)),
   );
-  const common = (environments[0]?.parameters ?? []).filter(({ of_every_task }) => of_every_task);
   at("parameters").replaceChildren(
     element("thead", {}, element("tr", {}, ...heads)),
     element("tbody", {}, ...own, ...common.map((one) => parameterRow("every environment", one))),

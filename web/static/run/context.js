@@ -12,7 +12,7 @@ const MOST_SEEDS = 200;
  * @property {Api.Sweep} sweep
  * @property {Api.ListedRun[]} siblings   of the same entry and task, by seed
  * @property {Api.Panel["random_return"]} random
- * @property {Api.Environment | undefined} task
+ * @property {Api.Environment["parameters"]} parameters   of its task, and those of noise that are given
  * @property {number | null} best   the return of the largest reward at every step
  * @property {Api.Algorithm | undefined} algorithm
  */
@@ -36,7 +36,10 @@ export async function contextOf(run, signal) {
     sweep,
     siblings: runs.items.filter(({ label }) => label === run.label),
     random: curves.panels[0]?.random_return ?? null,
-    task,
+    parameters: [
+      ...(task?.parameters ?? []),
+      ...catalogue.parameters.filter(({ name }) => givenValues(environment).has(name)),
+    ],
     best: task ? task.max_reward * task.horizon : null,
     algorithm: catalogue.algorithms.find(({ name }) => name === algorithm),
   };
@@ -119,12 +122,11 @@ export function showSettings(run, { sweep, algorithm }) {
  * @param {Api.Run} run
  * @param {Context} context
  */
-export function showParameters({ environment }, { task }) {
+export function showParameters({ environment }, { parameters }) {
   const given = givenValues(environment);
-  const shown = (task?.parameters ?? []).filter(({ name, of_every_task }) => !of_every_task || given.has(name));
-  at("parameters-part").hidden = shown.length === 0;
+  at("parameters-part").hidden = parameters.length === 0;
   at("parameters").replaceChildren(
-    ...shown.map((parameter) => {
+    ...parameters.map((parameter) => {
       const isGiven = given.has(parameter.name);
       const text = quantity(given.get(parameter.name) ?? parameter.default, parameter);
       const value = element(isGiven ? "strong" : "span", {}, text);
