@@ -1,6 +1,7 @@
 """The client: typed answers, refusals as sentences, nothing heavy loaded."""
 
 import json
+import ssl
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
@@ -14,10 +15,11 @@ from fastapi import FastAPI
 
 from service.api.schemas.requests.sweep_request import SweepRequest
 from service.api.schemas.sweep_answer import SweepAnswer
-from service.client import Client, ServiceError, SubmissionNotice
+from service.client import Client, ServiceError, SubmissionNotice, trusted
 from service.model.move import Move
 from service.store.store import Store
 from tests.docs.pages import ROOT, blocks
+from tests.service.certificate import self_signed
 from tests.service.conftest import SWEEP, TOKEN, changed
 from tests.service.served import served
 from tests.service.training import RANDOM, random_return, rising, train
@@ -66,6 +68,25 @@ def test_it_reads_the_settings_that_the_service_reads(
     monkeypatch.setenv("D3PG_HOST", host)
     monkeypatch.setenv("D3PG_PORT", "81")
     assert Client(token=TOKEN).url == url
+
+
+@pytest.mark.parametrize(
+    ("public_url", "url"),
+    [("", "https://127.0.0.1:81"), ("https://lab.example/d3pg", "https://lab.example/d3pg")],
+)
+def test_it_finds_a_service_that_speaks_tls_and_trusts_its_certificate(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, public_url: str, url: str
+) -> None:
+    """A certificate is for a name, which only the public address has."""
+    certificate, _ = self_signed(tmp_path, "DNS:lab.example")
+    monkeypatch.delenv("D3PG_URL", raising=False)
+    monkeypatch.setenv("D3PG_PORT", "81")
+    monkeypatch.setenv("D3PG_TLS_CERTIFICATE", str(certificate))
+    monkeypatch.setenv("D3PG_PUBLIC_URL", public_url)
+    assert Client(token=TOKEN).url == url
+    trust = trusted()
+    assert isinstance(trust, ssl.SSLContext)
+    assert any("lab.example" in str(each) or "here" in str(each) for each in trust.get_ca_certs())
 
 
 def test_a_model_and_a_mapping_are_submitted_alike(service: Client) -> None:
