@@ -10,6 +10,8 @@
 #   make browser     the tests in a real Chromium                                        4 min
 #   make test-slow   the tests that learn whole curves and kill whole clusters           an hour
 #
+#   make containers  build the image and run docker/compose.yml in containers (root)     20 min
+#                    D3PG_CONTAINERS=folder keeps the images for the next time
 #   make docs        build the documentation and serve it at http://127.0.0.1:8001       10 s
 #   make bench       speed beside peers (installs them)                                  an hour
 #   make paper       the paper's evaluation; goes on where it was stopped                12 core-hours
@@ -30,7 +32,7 @@ NODE   := NODE_OPTIONS=--use-system-ca PATH="$(CURDIR)/web/node_modules/.bin:$(C
 SUDO   := $(shell test "$$(id -u)" = 0 || echo sudo)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo paper test test-slow check postgresql fast cluster browser docs bench format clean
+.PHONY: help demo paper test test-slow check postgresql fast cluster browser containers docs bench format clean
 
 help:
 	@sed -n 's/^#   \(make .*\)/\1/p; s/^#$$//p' Makefile
@@ -109,6 +111,15 @@ browser: $(VENV)/installed-dev
 test-slow: $(VENV)/installed-dev postgresql
 	@echo "== Tests: slow (minutes)"
 	@$(PYTEST) -m slow --timeout 3600
+
+# Of Debian's packages; podman-compose of Debian 12 is too old for the file.
+containers: $(VENV)/installed-dev
+	@echo "== Tests: in containers"
+	@command -v podman runc debootstrap >/dev/null || { echo "   installing Debian's podman"; \
+	  $(SUDO) apt-get update -qq && $(SUDO) apt-get install -y -qq --no-install-recommends \
+	    podman runc debootstrap catatonit netavark aardvark-dns iptables >/dev/null; }
+	@$(PIP) 'podman-compose~=1.6.0'
+	@$(PYTEST) -s -m slow --timeout 3600 tests/docker/test_containers.py
 
 # Material for MkDocs names its successors at every build unless told not to.
 docs: export NO_MKDOCS_2_WARNING = 1
