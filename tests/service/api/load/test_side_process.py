@@ -77,7 +77,7 @@ def test_what_waits_too_long_or_is_given_up_is_not_begun(side: SideProcess) -> N
 def test_it_has_no_secret_of_the_service(
     side: SideProcess, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for name in ("D3PG_TOKEN", "D3PG_DATABASE_URL", "PGPASSWORD"):
+    for name in ("D3PG_TOKEN", "D3PG_DATABASE_URL", "PGPASSWORD", "RAY_AUTH_TOKEN"):
         monkeypatch.setenv(name, "a-secret-of-the-service")
     pid = side.call("os:getpid")
     assert "a-secret" not in Path(f"/proc/{pid}/environ").read_text()
