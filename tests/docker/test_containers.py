@@ -41,9 +41,10 @@ def stack(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stack]:
         tell("images made", begun)
         stack = Stack(engine, tmp_path_factory.mktemp("project"))
         begun = time.monotonic()
-        stack.up()
-        tell("two workers, driver, service and database up", begun)
-        yield stack
+        with stack.client:
+            stack.up()
+            tell("two workers, driver, service and database up", begun)
+            yield stack
 
 
 @pytest.fixture(scope="module")

@@ -188,6 +188,8 @@ class CohortThread:
         return learner
 
     def _train(self, learner: Learner) -> None:
+        if learner.finished:  # the worker that came to their end was lost before it said so
+            self._end_again(learner)
         cadence = Cadence()
         while not learner.finished and not self._stopped.is_set():
             if self._is_abandoned():
@@ -231,6 +233,13 @@ class CohortThread:
                 with self._lock:
                     self._news.checkpoints.append(CheckpointAttempt(seed, learner.timestep, ""))
         self._save_policy(learner, seed, patience)
+
+    def _end_again(self, learner: Learner) -> None:
+        """Tell that runs ended whose last checkpoint is that of their end."""
+        seeds = list(learner.seeds)
+        self._at_once(partial(self._save_policy, learner, patience=self._patience()), seeds)
+        with self._lock:
+            self._news.finished.extend(seeds)
 
     def _save_policy(
         self, learner: Learner, seed: int, patience: Patience = without_patience

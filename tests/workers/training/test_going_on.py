@@ -73,3 +73,15 @@ def test_every_setting_but_the_timesteps_still_tells_runs_apart(tmp_path: Path) 
     trained(spec_of("ddpg", 800, {}), 1, tmp_path)
     other = spec_of("ddpg", 1600, {"noise": 0.3})
     assert begun_at(trained(other, 2, tmp_path)) == 0
+
+
+def test_one_that_was_lost_at_its_end_is_told_to_have_ended(tmp_path: Path) -> None:
+    """Its last checkpoint was written, and the worker was lost before it said so."""
+    spec = spec_of("ddpg", 800, {})
+    first = trained(spec, 1, tmp_path)
+    (tmp_path / "run-3" / "policy").unlink()
+    again = trained(spec, 2, tmp_path)
+    assert begun_at(again) == 800
+    assert [seed for progress in again for seed in progress.finished] == [3]
+    assert points(again) == points(first)
+    assert (tmp_path / "run-3" / "policy").exists()
