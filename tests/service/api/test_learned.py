@@ -65,7 +65,7 @@ def test_a_stranger_gets_nothing(stranger: TestClient, run: str, kind: str) -> N
 def test_when_too_many_wait_it_says_so(
     app: FastAPI, client: TestClient, run: str, monkeypatch: pytest.MonkeyPatch, kind: str
 ) -> None:
-    def busy(*_: object) -> None:
+    def busy(*_: object, **__: object) -> None:
         raise BusyError("16 others wait already")
 
     monkeypatch.setattr(app.state.side, "call", busy)

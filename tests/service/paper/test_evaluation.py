@@ -61,7 +61,7 @@ def test_every_learner_is_evaluated_in_ten_tasks() -> None:
         if name in catalogue.OWN and catalogue.find(name).needs_reward_gradient:
             able &= smooth
         assert found - {"MassPoint"} == able
-    assert {*tasks, "MassPoint"} == set(tuning.TIMESTEPS)
+    assert {*tasks, "MassPoint"} == {*tuning.TIMESTEPS, *tuning.AS_ON}
 
 
 def test_runs_have_the_presets_length_but_for_the_critics() -> None:

@@ -198,7 +198,7 @@ def test_other_figures_are_refused(reader: TestClient, trained: str, path: str) 
 def test_when_too_many_wait_it_says_so(
     app: FastAPI, client: TestClient, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def busy(*_: object) -> bytes:
+    def busy(*_: object, **__: object) -> bytes:
         raise BusyError("16 others wait already")
 
     link = client.post("/api/v1/sweeps", json=SWEEP).json()["links"]["self"]
