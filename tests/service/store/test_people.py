@@ -49,7 +49,8 @@ def test_whoever_is_revoked_takes_sessions_and_shares_along(store: Store) -> Non
     assert [each.name for each in store.sessions()] == ["share another"]
     assert [(each.id, each.sweeps) for each in store.shares()] == [("another", ("a", "b"))]
     store.remove_share("another")
-    assert store.sessions() == store.shares() == []
+    assert not store.sessions()
+    assert not store.shares()
 
 
 def test_sessions_are_bounded_and_end(store: Store) -> None:
