@@ -18,6 +18,7 @@ from tests.web.live_service import LiveService
 
 pytestmark = [
     pytest.mark.browser,
+    pytest.mark.slow,  # with a certificate that nobody trusts, Chromium sometimes tries too often
     pytest.mark.skipif(not shutil.which("nginx", path="/usr/sbin:/usr/bin"), reason="needs nginx"),
 ]
 

@@ -48,7 +48,7 @@ def test_a_sweep_is_counted_and_submitted_once(signed_in: Page, live: LiveServic
         "weights": [{"w1": 0.1, "w2": 0.1}, {"w1": 1, "w2": 0}],
     }
     signed_in.get_by_role("link", name="Submit another like it").click()
-    expect(signed_in.get_by_label("Name")).to_have_value("from the form")
+    expect(signed_in.get_by_label("Name", exact=True)).to_have_value("from the form")
     expect(signed_in.locator("#estimate")).to_contain_text("6 runs")
 
 

@@ -61,4 +61,4 @@ def test_sessions_are_bounded_and_end(store: Store) -> None:
     store.add_share(share("old", "ann"))
     store.add_session(session("ann", "key", 1.0 + HOUR), 3)
     assert [each.created_at for each in store.sessions()] == [1.0 + HOUR, 3.0]
-    assert store.shares() == [], "what has expired went with the sessions that had"
+    assert not store.shares(), "what has expired went with the sessions that had"
