@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from fastapi import APIRouter, FastAPI
 from fastapi.routing import iter_route_contexts
+from pydantic import SecretStr
 from starlette.responses import PlainTextResponse
 from starlette.routing import Mount, Route
 from starlette.testclient import TestClient
@@ -17,9 +18,12 @@ from starlette.testclient import TestClient
 from service.api.access import authority
 from service.api.access.authority import MAY_READ, UndeclaredScopeError, refuse_undeclared
 from service.api.access.guard import PUBLIC_PREFIX, is_public
+from service.api.app import create_app
 from service.model.caller import Scope
+from service.settings import Settings
+from service.store.store import Store
 from tests.service.api.access.test_guard import FOREIGN_HOSTS, FOREIGN_PAGES
-from tests.service.conftest import SWEEP, client_of
+from tests.service.conftest import SWEEP, TOKEN, FakeDispatcher, client_of
 
 SHARED, OTHER = "shared", "other"
 SWEEP_PATHS = ("/api/v1/sweeps/{sweep_id}", "/api/v1/runs/{run_id}", "/sweeps/{", "/runs/{")
@@ -77,19 +81,33 @@ def is_shared(method: str, path: str) -> bool:
 
 
 @pytest.fixture(scope="module")
-def there(idle_app: FastAPI, idle_client: TestClient) -> dict[str, str]:
+def peopled(tmp_path_factory: pytest.TempPathFactory) -> Iterator[FastAPI]:
+    """A service with sweeps and callers of every scope."""
+    settings = Settings(data_dir=tmp_path_factory.mktemp("peopled"), token=SecretStr(TOKEN))
+    store = Store.open(settings.store_url)
+    yield create_app(settings, store, FakeDispatcher())
+    store.close()
+
+
+@pytest.fixture(scope="module")
+def administrator(peopled: FastAPI) -> TestClient:
+    return client_of(peopled)
+
+
+@pytest.fixture(scope="module")
+def there(peopled: FastAPI, administrator: TestClient) -> dict[str, str]:
     """The ids of two sweeps of the administrator; one is shared."""
-    made = [idle_client.post("/api/v1/sweeps", json=SWEEP).json()["id"] for _ in range(2)]
+    made = [administrator.post("/api/v1/sweeps", json=SWEEP).json()["id"] for _ in range(2)]
     return {SHARED: made[0], OTHER: made[1]}
 
 
 @pytest.fixture(scope="module")
-def callers(idle_app: FastAPI, there: dict[str, str]) -> Iterator[dict[str, TestClient]]:
+def callers(peopled: FastAPI, there: dict[str, str]) -> Iterator[dict[str, TestClient]]:
     """A client of each scope, one that came by a link, and a stranger."""
-    register = idle_app.state.register
+    register = peopled.state.register
     tokens = {scope.value: register.add_user(f"every-{scope.value}", scope) for scope in Scope}
     share, tokens[SHARED] = register.add_share((there[SHARED],), "/", 1, "admin")
-    yield {name: client_of(idle_app, token) for name, token in tokens.items()}
+    yield {name: client_of(peopled, token) for name, token in tokens.items()}
     register.remove_share(share.id)
     for scope in Scope:
         register.revoke_user(f"every-{scope.value}")
@@ -111,11 +129,11 @@ def status(client: TestClient, method: str, path: str, headers: Any = None) -> i
 
 
 def test_every_route_times_every_scope(
-    idle_app: FastAPI, callers: dict[str, TestClient], there: dict[str, str]
+    peopled: FastAPI, callers: dict[str, TestClient], there: dict[str, str]
 ) -> None:
     wrong, asked = [], 0
     deletion = ("DELETE", "/api/v1/sweeps/{sweep_id}")
-    for method, template in sorted(routes(idle_app), key=lambda each: each == deletion):
+    for method, template in sorted(routes(peopled), key=lambda each: each == deletion):
         path, needed = filled(template, there[SHARED]), least_scope(method, template)
         for scope in Scope:
             found, asked = status(callers[scope.value], method, path), asked + 1
@@ -133,10 +151,10 @@ def is_change(needed: Scope | None, template: str) -> bool:
 
 
 def test_every_route_times_a_shared_link(
-    idle_app: FastAPI, callers: dict[str, TestClient], there: dict[str, str]
+    peopled: FastAPI, callers: dict[str, TestClient], there: dict[str, str]
 ) -> None:
     wrong = []
-    for method, template in routes(idle_app):
+    for method, template in routes(peopled):
         for which in (SHARED, OTHER):
             path = filled(template, there[which])
             found = status(callers[SHARED], method, path)
@@ -149,11 +167,11 @@ def test_every_route_times_a_shared_link(
 
 @pytest.mark.parametrize("caller", CALLERS)
 def test_no_scope_makes_up_for_a_foreign_host_or_page(
-    idle_app: FastAPI, callers: dict[str, TestClient], there: dict[str, str], caller: str
+    peopled: FastAPI, callers: dict[str, TestClient], there: dict[str, str], caller: str
 ) -> None:
     """Every route, of every caller, from every foreign host and page: 403 before anything else."""
     foreign = [{"Host": host} for host in FOREIGN_HOSTS] + list(FOREIGN_PAGES)
-    for method, template in routes(idle_app):
+    for method, template in routes(peopled):
         path = filled(template, there[SHARED])
         for headers in foreign:
             response = callers[caller].request(method, path, headers=headers)
@@ -161,17 +179,17 @@ def test_no_scope_makes_up_for_a_foreign_host_or_page(
             assert "service" in response.json()["detail"]
 
 
-def test_no_route_is_missed(idle_app: FastAPI) -> None:
-    found = set(routes(idle_app))
+def test_no_route_is_missed(peopled: FastAPI) -> None:
+    found = set(routes(peopled))
     known = OPEN_ROUTES | TO_METRICS | TO_SHARED | TO_ADMINISTRATORS | READ_BY_POST
     assert known <= found
     assert len(found) > 60
 
 
-def test_what_is_mounted_is_public(idle_app: FastAPI) -> None:
+def test_what_is_mounted_is_public(peopled: FastAPI) -> None:
     mounted = [
         route.path
-        for route in iter_route_contexts(idle_app.routes)
+        for route in iter_route_contexts(peopled.routes)
         if isinstance(route.original_route, Mount)
     ]
     assert mounted == [f"{PUBLIC_PREFIX}{{version}}"]
@@ -196,8 +214,8 @@ def test_a_route_that_says_nothing_keeps_the_service_from_starting() -> None:
         refuse_undeclared(app)
 
 
-def test_the_document_says_who_may(idle_client: TestClient) -> None:
-    document = idle_client.get("/api/v1/openapi.json").json()
+def test_the_document_says_who_may(administrator: TestClient) -> None:
+    document = administrator.get("/api/v1/openapi.json").json()
     said = document["paths"]["/api/v1/sweeps/{sweep_id}/cancel"]["post"]["security"]
     assert said == [{"token": ["submit"]}]
     assert document["components"]["securitySchemes"]["token"]["scheme"] == "bearer"
