@@ -251,7 +251,7 @@ def test_a_random_policy_stays_finite(environment: Environment) -> None:
         actions = random.uniform(-1, 1, (16, environment.action_size))
         following, reward, terminated = environment.step(states, actions)
         assert np.isfinite(following).all()
-        if not environment.name.startswith("mujoco/"):  # whose mark is of whole episodes
+        if environment.name != "mujoco/Swimmer":  # its mark is of whole episodes, not of a step
             assert (reward <= environment.max_reward).all()
         restarts = environment.initial_states(random.integers(2**60, size=16))
         states = np.where(terminated[:, None], restarts, following)

@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -78,6 +79,15 @@ def app(settings: Settings, store: Store, dispatcher: FakeDispatcher) -> FastAPI
     return app
 
 
+@contextmanager
+def app_in(folder: Path) -> Iterator[FastAPI]:
+    """A service with its data in a folder, for as long as the block."""
+    settings = Settings(data_dir=folder, token=SecretStr(TOKEN))
+    store = Store.open(settings.store_url)
+    yield create_app(settings, store, FakeDispatcher())
+    store.close()
+
+
 def client_of(app: FastAPI, token: str = TOKEN) -> TestClient:
     headers = {"Authorization": f"Bearer {token}"} if token else {}
     return TestClient(app, base_url=BASE_URL, headers=headers, follow_redirects=False)
@@ -98,10 +108,8 @@ def client(app: FastAPI) -> TestClient:
 @pytest.fixture(scope="session")
 def idle_app(tmp_path_factory: pytest.TempPathFactory) -> Iterator[FastAPI]:
     """A service that no test changes: for the many tests of what is refused."""
-    settings = Settings(data_dir=tmp_path_factory.mktemp("idle"), token=SecretStr(TOKEN))
-    store = Store.open(settings.store_url)
-    yield create_app(settings, store, FakeDispatcher())
-    store.close()
+    with app_in(tmp_path_factory.mktemp("idle")) as app:
+        yield app
 
 
 @pytest.fixture(scope="session")

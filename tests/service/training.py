@@ -1,6 +1,8 @@
 """Training as the store sees it: claims, measurements of chosen values, ends."""
 
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 from algorithms.measurement import Measurement
 from service.store.store import Store
@@ -52,3 +54,21 @@ def measured(spec: RunSpec, timestep: int, value: float) -> Measurement:
 def random_return(environment: str, mean: float) -> RandomReturn:
     """What random actions earn in the first version of an environment."""
     return RandomReturn(environment, 1, mean, low=mean - 10, high=mean + 10, episodes=1000)
+
+
+@contextmanager
+def at_work(work: Callable[[], object]) -> Iterator[None]:
+    """Work again and again, on a thread of its own, until the end of the block."""
+    is_over = threading.Event()
+
+    def go_on() -> None:
+        while not is_over.wait(0.01):
+            work()
+
+    thread = threading.Thread(target=go_on)
+    thread.start()
+    try:
+        yield
+    finally:
+        is_over.set()
+        thread.join()

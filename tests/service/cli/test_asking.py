@@ -1,7 +1,6 @@
 """`d3pg ask`: the question that it posts, the answer that it prints, its exit code."""
 
 import os
-import threading
 from collections.abc import Iterator
 from typing import Any
 
@@ -13,7 +12,7 @@ from service.client import Client
 from service.queue.question_rounds import look_at_all
 from service.store.store import Store
 from tests.service.cli.conftest import Command, as_json
-from tests.service.training import RANDOM, random_return, train
+from tests.service.training import RANDOM, at_work, random_return, train
 from workers.messages.run_spec import RunSpec
 
 ASKED = ("-e", "Pendulum", "--clip", "0.25", "--timesteps", "800")
@@ -29,18 +28,13 @@ def gain(spec: RunSpec, _: int) -> float:
 def _trained(store: Store) -> Iterator[None]:
     """Workers, and the rounds of questions."""
     store.record_random_return(random_return("Pendulum", RANDOM))
-    is_over = threading.Event()
 
     def work() -> None:
-        while not is_over.wait(0.01):
-            train(store, 1, gain)
-            look_at_all(store)
+        train(store, 1, gain)
+        look_at_all(store)
 
-    thread = threading.Thread(target=work)
-    thread.start()
-    yield
-    is_over.set()
-    thread.join()
+    with at_work(work):
+        yield
 
 
 @pytest.mark.usefixtures("_trained")

@@ -1,6 +1,5 @@
 """`d3pg search`: what it posts, what it prints, its exit code."""
 
-import threading
 from collections.abc import Iterator
 
 import pytest
@@ -10,7 +9,7 @@ from service.client import Client
 from service.queue.question_rounds import look_at_all
 from service.store.store import Store
 from tests.service.cli.conftest import Command, as_json
-from tests.service.training import RANDOM, random_return, train
+from tests.service.training import RANDOM, at_work, random_return, train
 from workers.messages.progress import Progress
 from workers.messages.run_spec import RunSpec
 
@@ -27,18 +26,13 @@ def worth(spec: RunSpec, timestep: int) -> float:
 def _trained(store: Store) -> Iterator[None]:
     """Workers, and the rounds of searches."""
     store.record_random_return(random_return("Pendulum", RANDOM))
-    is_over = threading.Event()
 
     def work() -> None:
-        while not is_over.wait(0.01):
-            train(store, 3, worth)
-            look_at_all(store)
+        train(store, 3, worth)
+        look_at_all(store)
 
-    thread = threading.Thread(target=work)
-    thread.start()
-    yield
-    is_over.set()
-    thread.join()
+    with at_work(work):
+        yield
 
 
 @pytest.mark.usefixtures("_trained")
@@ -68,22 +62,14 @@ def test_it_can_be_planned_without_being_made(d3pg: Command, service: Client) ->
 
 
 def test_without_a_winner_it_fails(d3pg: Command, store: Store) -> None:
-    is_over = threading.Event()
-
     def fail() -> None:
-        while not is_over.wait(0.01):
-            while claim := store.claim_cohort("w", 60.0):
-                failed = tuple(Failure(spec.seed, 0, "x") for spec in claim.specs)
-                store.record(claim, Progress(800, failed=failed))
-            look_at_all(store)
+        while claim := store.claim_cohort("w", 60.0):
+            failed = tuple(Failure(spec.seed, 0, "x") for spec in claim.specs)
+            store.record(claim, Progress(800, failed=failed))
+        look_at_all(store)
 
-    thread = threading.Thread(target=fail)
-    thread.start()
-    try:
+    with at_work(fail):
         said = d3pg("search", "ddpg", *SEARCHED, code=1).stdout
-    finally:
-        is_over.set()
-        thread.join()
     assert "Pendulum: none: every entry that was left has runs that failed" in said
 
 

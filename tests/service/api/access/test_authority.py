@@ -10,7 +10,6 @@ from typing import Any
 import pytest
 from fastapi import APIRouter, FastAPI
 from fastapi.routing import iter_route_contexts
-from pydantic import SecretStr
 from starlette.responses import PlainTextResponse
 from starlette.routing import Mount, Route
 from starlette.testclient import TestClient
@@ -18,12 +17,9 @@ from starlette.testclient import TestClient
 from service.api.access import authority
 from service.api.access.authority import MAY_READ, UndeclaredScopeError, refuse_undeclared
 from service.api.access.guard import PUBLIC_PREFIX, is_public
-from service.api.app import create_app
 from service.model.caller import Scope
-from service.settings import Settings
-from service.store.store import Store
 from tests.service.api.access.test_guard import FOREIGN_HOSTS, FOREIGN_PAGES
-from tests.service.conftest import SWEEP, TOKEN, FakeDispatcher, client_of
+from tests.service.conftest import SWEEP, app_in, client_of
 
 SHARED, OTHER = "shared", "other"
 SWEEP_PATHS = ("/api/v1/sweeps/{sweep_id}", "/api/v1/runs/{run_id}", "/sweeps/{", "/runs/{")
@@ -83,10 +79,8 @@ def is_shared(method: str, path: str) -> bool:
 @pytest.fixture(scope="module")
 def peopled(tmp_path_factory: pytest.TempPathFactory) -> Iterator[FastAPI]:
     """A service with sweeps and callers of every scope."""
-    settings = Settings(data_dir=tmp_path_factory.mktemp("peopled"), token=SecretStr(TOKEN))
-    store = Store.open(settings.store_url)
-    yield create_app(settings, store, FakeDispatcher())
-    store.close()
+    with app_in(tmp_path_factory.mktemp("peopled")) as app:
+        yield app
 
 
 @pytest.fixture(scope="module")
