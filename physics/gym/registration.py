@@ -23,15 +23,20 @@ class TaskSpec(EnvSpec):
     """The spec of a task, which looks up the task's horizon when first asked for it."""
 
     def __post_init__(self) -> None:
-        """Forget the time limit if none was given: the property below finds it."""
+        """Forget the time limit if none was given: the property below finds it.
+
+        The task is kept beside `kwargs`, which `gymnasium.make_vec` empties before it asks for the
+        time limit.
+        """
         super().__post_init__()
+        self._task = self.kwargs.get("task", self.name)
         if self.max_episode_steps is None:
             del self.max_episode_steps
 
     @cached_property
     def max_episode_steps(self) -> int | None:  # type: ignore[override]
         """The task's horizon."""
-        return as_task(self.kwargs.get("task", self.name)).horizon
+        return as_task(self._task).horizon
 
     def __eq__(self, other: object) -> bool:
         """Whether the other spec says the same, whichever of the two classes it is of."""

@@ -137,6 +137,13 @@ def test_a_spec_of_a_class_or_an_object() -> None:
         physics.spec_of("nowhere.py:Arm")
 
 
+@pytest.mark.parametrize("name", ["mujoco/Reacher", "Pendulum(mass=2)"])
+def test_a_fresh_spec_makes_vectors(name: str) -> None:
+    vector = gymnasium.make_vec(physics.spec_of(name), num_envs=2)
+    assert vector.spec is not None
+    assert vector.spec.max_episode_steps == physics.make(name).horizon
+
+
 def test_the_registry_prints() -> None:
     printed = gymnasium.pprint_registry(disable_print=True)
     assert printed is not None
