@@ -2,8 +2,8 @@
 
 The next batch is a pure function of the runs that have ended (`service/analysis/question`). Nothing
 is remembered here: a service that is killed at any moment asks for the same seeds again, and the
-store writes them once (`service/store/claiming/question_batches.py`). Searches climb in
-`service/queue/search_rounds.py`.
+store writes them once, and only of what the sweep still is
+(`service/store/claiming/question_batches.py`). Searches climb in `service/queue/search_rounds.py`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -45,28 +45,23 @@ def look_at_all(store: Store) -> int:
 
 def look(store: Store, sweep_id: str) -> int:
     """Write the next batch or rung, or settle the sweep; return how many runs it has."""
+    seen = store.sweep_version(sweep_id)  # before all else that is read
     sweep = store.find_sweep(sweep_id)
     if sweep is None:  # it was deleted meanwhile
         return 0
     if sweep.search is not None:
-        return store.go_on_searching(sweep_id, *next_rung(store, sweep, sweep.search))
-    return store.go_on_asking(sweep_id, *next_batch(store, sweep_id))
+        return store.go_on_searching(sweep_id, seen, next_rung(store, sweep, sweep.search))
+    return store.go_on_asking(sweep_id, seen, next_batch(store, sweep))
 
 
-def next_batch(store: Store, sweep_id: str) -> tuple[int, Batch]:
-    """Return how many runs the sweep has now, and the seeds that its cells are to have."""
-    sweep = store.get_sweep(sweep_id)
+def next_batch(store: Store, sweep: Sweep) -> Batch:
+    """Return the seeds that the cells of a sweep are to have."""
     question, entries = Question.of(sweep.request), Entries(sweep.request)
     if question is None:
-        return sweep.runs.total, {}
+        return {}
     places = {entry.label: entry.place for entry in entries.all}
-    batch = {
-        (environment, places[label]): seeds
-        for (environment, label), seeds in wanted(
-            pairs_of(store, sweep, question), question
-        ).items()
-    }
-    return sweep.runs.total, batch
+    seeds = wanted(pairs_of(store, sweep, question), question)
+    return {(task, places[label]): of_cell for (task, label), of_cell in seeds.items()}
 
 
 def pairs_of(store: Store, sweep: Sweep, question: Question) -> list[Pairs]:

@@ -24,14 +24,13 @@ Setting = tuple[str, str, Weights, str]
 """A task, an algorithm, its weights, its settings as text."""
 
 
-def next_rung(store: Store, sweep: Sweep, search: Search) -> tuple[int, Rung]:
-    """Return the timesteps that all runs have together, and those that cells are to have."""
+def next_rung(store: Store, sweep: Sweep, search: Search) -> Rung:
+    """Return the timesteps that the cells of a search are to have."""
     curves = store.curve_points(sweep.id, "return_mean")
     entries = Entries(sweep.request)
     places = {entry.label: entry.place for entry in entries.all}
     climbed = _ladders(store, curves, entries, search)
-    asked = sum(run.spec.timesteps for run in curves)
-    return asked, {(task, places[label]): steps for (task, label), steps in wanted(climbed).items()}
+    return {(task, places[label]): steps for (task, label), steps in wanted(climbed).items()}
 
 
 def ladders_of(store: Store, sweep: Sweep, search: Search) -> list[Ladder]:

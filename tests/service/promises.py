@@ -195,7 +195,7 @@ class Promises:
             assert seeds[0] == seeds[1]
             looks = range(1, question.looks + 1)
             assert tuple(seeds[0]) in [question.seeds(look) for look in looks]
-            assert next_batch(self.store, sweep.id)[1] == {} or sweep.id in self.cancelled
+            assert next_batch(self.store, sweep) == {} or sweep.id in self.cancelled
 
     def check_searches(self) -> None:
         """A search that was not cancelled is settled: no entry lacks a rung that it is to climb."""
@@ -208,7 +208,7 @@ class Promises:
                 has.setdefault((run.spec.environment, run.entry), set()).add(run.spec.timesteps)
             lengths = {rung.timesteps for rung in sweep.search.rungs["Pendulum"]}
             assert all(len(each) == 1 and each <= lengths for each in has.values())
-            for cell, timesteps in next_rung(self.store, sweep, sweep.search)[1].items():
+            for cell, timesteps in next_rung(self.store, sweep, sweep.search).items():
                 assert has[cell] == {timesteps} or sweep.id in self.cancelled
 
 

@@ -127,8 +127,8 @@ class Simulation:
         self.in_hand: list[tuple[SimulatedWorker, Report]] = []
         self.delivered: deque[Report] = deque(maxlen=50)
         self.story: deque[str] = deque(maxlen=40)
-        self.looks: deque[tuple[str, int, Batch]] = deque(maxlen=5)
-        self.climbs: deque[tuple[str, int, Rung]] = deque(maxlen=5)
+        self.looks: deque[tuple[str, str | None, Batch]] = deque(maxlen=5)
+        self.climbs: deque[tuple[str, str | None, Rung]] = deque(maxlen=5)
         self.users = SimulatedUsers(self.promises, self.random, RAISING, self.tell)
 
     def close(self) -> None:
@@ -321,18 +321,20 @@ class Simulation:
         waiting = [each for each in self.store.waiting_questions() if not self.search_of(each)]
         if waiting:
             sweep_id = self.random.choice(waiting)
-            self.looks.append((sweep_id, *next_batch(self.store, sweep_id)))
+            seen = self.store.sweep_version(sweep_id)
+            self.looks.append((sweep_id, seen, self.next_batch(sweep_id)))
         if not self.looks or self.random.random() < 0.3:
             return bool(waiting)
         sweep_id, seen, batch = self.random.choice(self.looks)
-        is_current = sweep_id in waiting and next_batch(self.store, sweep_id) == (seen, batch)
+        is_current = sweep_id in waiting and self.store.sweep_version(sweep_id) == seen
+        assert not is_current or self.next_batch(sweep_id) == batch
         have = {(run.spec.environment, run.entry, run.spec.seed)
                 for run in self.store.list_runs(sweep_id, limit=1000)}  # fmt: skip
         missing = {(*cell, seed) for cell, seeds in batch.items() for seed in seeds} - have
         added = self.store.go_on_asking(sweep_id, seen, batch)
         assert added == (len(missing) if is_current else 0)
         assert self.store.find_sweep(sweep_id) is None or self.promises.add(sweep_id) == added
-        self.tell(f"sweep {sweep_id} had {seen} runs: {added} were added")
+        self.tell(f"sweep {sweep_id} was at {seen}: {added} runs were added")
         return True
 
     def climb(self) -> bool:
@@ -340,11 +342,13 @@ class Simulation:
         waiting = [each for each in self.store.waiting_questions() if self.search_of(each)]
         if waiting:
             sweep_id = self.random.choice(waiting)
-            self.climbs.append((sweep_id, *self.next_rung(sweep_id)))
+            seen = self.store.sweep_version(sweep_id)
+            self.climbs.append((sweep_id, seen, self.next_rung(sweep_id)))
         if not self.climbs or self.random.random() < 0.3:
             return bool(waiting)
         sweep_id, seen, rung = self.random.choice(self.climbs)
-        is_current = sweep_id in waiting and self.next_rung(sweep_id) == (seen, rung)
+        is_current = sweep_id in waiting and self.store.sweep_version(sweep_id) == seen
+        assert not is_current or self.next_rung(sweep_id) == rung
         short = {
             run.id
             for run in self.store.list_runs(sweep_id, limit=1000)
@@ -354,14 +358,18 @@ class Simulation:
             longer = self.store.go_on_searching(sweep_id, seen, rung)
         assert longer == (len(short) if is_current else 0)
         assert self.store.find_sweep(sweep_id) is None or self.promises.climb(sweep_id) == longer
-        self.tell(f"search {sweep_id} had {seen} timesteps: {longer} runs go on")
+        self.tell(f"search {sweep_id} was at {seen}: {longer} runs go on")
         return True
 
     def search_of(self, sweep_id: str) -> Search | None:
         """What a sweep searches."""
         return self.store.get_sweep(sweep_id).search
 
-    def next_rung(self, sweep_id: str) -> tuple[int, Rung]:
+    def next_batch(self, sweep_id: str) -> Batch:
+        """What a question that is there would be given."""
+        return next_batch(self.store, self.store.get_sweep(sweep_id))
+
+    def next_rung(self, sweep_id: str) -> Rung:
         """What a search that is there would be given."""
         sweep = self.store.get_sweep(sweep_id)
         assert sweep.search is not None

@@ -1,17 +1,19 @@
 """A question's batches: the seeds that a sweep is given until its question is answered.
 
-Whoever asks for a batch has seen all runs of the sweep ended, and how many there were. The batch is
-written, or the question settled, only if that is still so. Asked again after it happened, nothing
-happens: no seed is in a cell twice, and no batch is written of what was seen before another one.
+Whoever asks for a batch has read the sweep's version first, and then its runs, all ended. The batch
+is written, or the question settled, only if the sweep has that version still: a run that was queued
+again meanwhile, and ended with another result, is evidence that was not seen. Asked again after it
+happened, nothing happens: no seed is in a cell twice.
 """
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sqlalchemy import ColumnElement, Connection, Row, func, insert, select, update
+from sqlalchemy import ColumnElement, Connection, Row, insert, select, update
 
 from service.model.run import ACTIVE, RunStatus
 from service.store.reading import events
+from service.store.reading.sweeps import version
 from service.store.tables import is_asking, is_there, runs, sweeps
 
 Cell = tuple[str, int]
@@ -31,34 +33,36 @@ def waiting(connection: Connection) -> list[str]:
 
 
 def go_on(
-    connection: Connection, sweep_id: str, seen: int, batch: Mapping[Cell, Sequence[int]]
+    connection: Connection, sweep_id: str, seen: str | None, batch: Mapping[Cell, Sequence[int]]
 ) -> int:
     """Write the runs of a batch that are not there yet, or settle the question where none is.
 
     Args:
         connection: of the writer.
         sweep_id: the sweep.
-        seen: how many runs it had when the batch was decided on.
+        seen: its version (see `sweeps.version`) when the batch was decided on.
         batch: the seeds that cells are to have, those before too.
 
     Returns:
         The number of runs that were added.
     """
-    sweep = waiting_sweep(connection, sweep_id)
+    sweep = waiting_sweep(connection, sweep_id, seen)
     if sweep is None:
         return 0
-    own = runs.c.sweep_number == sweep.number
-    if connection.scalar(select(func.count()).where(own)) != seen:
-        return 0
-    added = _rows(connection, own, sweep, batch)
+    added = _rows(connection, sweep, batch)
     if added:
         connection.execute(insert(runs), added)
     close_round(connection, sweep, has_more=bool(added))
     return len(added)
 
 
-def waiting_sweep(connection: Connection, sweep_id: str) -> Row[Any] | None:
-    """Return the row of a sweep that waits for its next round; None where it does not."""
+def waiting_sweep(connection: Connection, sweep_id: str, seen: str | None) -> Row[Any] | None:
+    """Return the row of a sweep that waits for its next round; None where it does not.
+
+    None too where the sweep is no longer as it was seen.
+    """
+    if version(connection, sweep_id) != seen:
+        return None
     query = select(sweeps).where(_waits(), sweeps.c.id == sweep_id)
     return connection.execute(query).one_or_none()
 
@@ -83,12 +87,10 @@ def _waits() -> ColumnElement[bool]:
 
 
 def _rows(
-    connection: Connection,
-    own: ColumnElement[bool],
-    sweep: Row[Any],
-    batch: Mapping[Cell, Sequence[int]],
+    connection: Connection, sweep: Row[Any], batch: Mapping[Cell, Sequence[int]]
 ) -> list[dict[str, Any]]:
     """Return the missing runs as rows, numbered after those that are there."""
+    own = runs.c.sweep_number == sweep.number
     there = connection.execute(select(runs).where(own).order_by(runs.c.ordinal)).all()
     first = {(row.environment, row.entry): row for row in reversed(there)}
     known = {(row.environment, row.entry, row.seed) for row in there}

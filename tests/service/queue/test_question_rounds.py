@@ -109,14 +109,14 @@ def test_each_task_gets_seeds_until_it_is_decided(store: Store) -> None:
 def test_the_same_batch_asked_for_again_changes_nothing(store: Store) -> None:
     sweep = asking(store)
     train(store)
-    seen, batch = next_batch(store, sweep.id)
-    assert (seen, batch) == (8, {("Pendulum", place): tuple(range(8)) for place in (0, 1)})
+    seen, batch = store.sweep_version(sweep.id), next_batch(store, sweep)
+    assert batch == {("Pendulum", place): tuple(range(8)) for place in (0, 1)}
     assert store.go_on_asking(sweep.id, seen, batch) == 8
     for _ in range(2):  # while it waits, and when it has ended
         assert store.go_on_asking(sweep.id, seen, batch) == 0
         train(store)
     assert store.get_sweep(sweep.id).is_asking
-    assert next_batch(store, sweep.id)[0] == 16
+    assert store.get_sweep(sweep.id).runs.total == 16
 
 
 def test_the_budget_settles_what_is_not_decided(store: Store) -> None:
@@ -140,7 +140,7 @@ def test_a_pause_holds_the_next_batch_back(store: Store) -> None:
 def test_cancelled_between_two_batches_it_gets_none(store: Store) -> None:
     sweep = asking(store)
     train(store)
-    seen, batch = next_batch(store, sweep.id)
+    seen, batch = store.sweep_version(sweep.id), next_batch(store, sweep)
     assert store.move_sweep(sweep.id, "cancel").status is SweepStatus.CANCELLED
     assert store.go_on_asking(sweep.id, seen, batch) == look_at_all(store) == 0
     assert len(seeds_of(store, sweep)["Pendulum", "ddpg"]) == 4

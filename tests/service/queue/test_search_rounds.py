@@ -12,7 +12,7 @@ from algorithms.measurement import Measurement
 from service.model.inquiry.search import Search, rungs_of, search_seeds
 from service.model.sweep import Sweep, SweepStatus
 from service.queue.question_rounds import look_at_all
-from service.queue.search_rounds import ladders_of, next_rung
+from service.queue.search_rounds import Rung, ladders_of, next_rung
 from service.store.claiming.retry import RetryPolicy
 from service.store.refusal import ImpossibleMoveError
 from service.store.store import Store
@@ -24,6 +24,7 @@ from workers.messages.run_spec import NO_WEIGHTS, RunSpec
 STEPS = 2400
 SEEDS = search_seeds(2)
 BEST = {"Pendulum": 0.4, "MassPoint": 0.1}
+Look = tuple[str | None, Rung]
 NOISES = [0.1, 0.2, 0.3, 0.4, 0.5]
 WHOLE = 2 * (5 * 800 + 2 * 1600)
 """Timesteps of a task: five entries to 800, two of them to 2400, with two seeds."""
@@ -192,11 +193,10 @@ def test_an_entry_that_diverges_wholly_is_trained_no_further(store: Store) -> No
     assert winners(store, sweep) == {"Pendulum": "ddpg noise=0.3"}  # of equals the first
 
 
-def next_of(store: Store, sweep: Sweep) -> tuple[int, dict[tuple[str, int], int]]:
-    again = store.get_sweep(sweep.id)
-    assert again.search is not None
-    seen, rung = next_rung(store, again, again.search)
-    return seen, dict(rung)
+def next_of(store: Store, sweep: Sweep) -> Look:
+    """The version of a search, and the rung that follows from it."""
+    assert sweep.search is not None
+    return store.sweep_version(sweep.id), next_rung(store, sweep, sweep.search)
 
 
 ACTS = st.sampled_from(["train", "look", "write", "write again", "kill"])
@@ -209,7 +209,7 @@ def test_killed_at_any_moment_the_same_entries_climb(acts: list[str]) -> None:
     engine = in_memory(lambda: 1000.0)
     store = prepared(Store(engine, engine, RetryPolicy()))
     sweep = searching(store)
-    looks: list[tuple[int, dict[tuple[str, int], int]]] = []
+    looks: list[Look] = []
     given_more = 0
     for act in acts:
         if act == "train":

@@ -4,6 +4,7 @@ from typing import Any
 
 import pytest
 
+from algorithms.early_end import Failure
 from service.model.run import RunStatus
 from service.model.sweep import Sweep, SweepStatus
 from service.store.store import Store
@@ -37,9 +38,10 @@ def end_all(store: Store) -> None:
 
 def test_a_batch_is_of_its_cells_and_once(store: Store, sweep: Sweep) -> None:
     assert store.waiting_questions() == [sweep.id]
-    assert store.go_on_asking(sweep.id, 2, BATCH) == 4
+    seen = store.sweep_version(sweep.id)
+    assert store.go_on_asking(sweep.id, seen, BATCH) == 4
     for _ in range(2):
-        assert store.go_on_asking(sweep.id, 2, BATCH) == 0
+        assert store.go_on_asking(sweep.id, seen, BATCH) == 0
     runs = store.list_runs(sweep.id)
     assert [(run.id.partition("-")[2], run.entry, run.spec.seed) for run in runs] == [
         ("0", 0, 4), ("1", 1, 4), ("2", 0, 0), ("3", 0, 5), ("4", 1, 0), ("5", 1, 5),
@@ -58,29 +60,52 @@ def test_a_batch_is_of_its_cells_and_once(store: Store, sweep: Sweep) -> None:
 
 
 def test_a_batch_that_is_all_there_settles_the_question(store: Store, sweep: Sweep) -> None:
-    assert store.go_on_asking(sweep.id, 2, {("Pendulum", 0): (4,)}) == 0
+    seen = store.sweep_version(sweep.id)
+    assert store.go_on_asking(sweep.id, seen, {("Pendulum", 0): (4,)}) == 0
     assert store.events_after(0)[-1].payload == {"sweep_id": sweep.id, "change": "answered"}
     assert store.waiting_questions() == []
     settled = store.get_sweep(sweep.id)
     assert (settled.is_asking, settled.status) == (False, SweepStatus.FINISHED)
-    assert store.go_on_asking(sweep.id, 2, BATCH) == 0
+    assert store.go_on_asking(sweep.id, store.sweep_version(sweep.id), BATCH) == 0
 
 
 def test_what_was_seen_before_another_batch_is_not_written(store: Store, sweep: Sweep) -> None:
-    store.go_on_asking(sweep.id, 2, BATCH)
+    seen = store.sweep_version(sweep.id)
+    store.go_on_asking(sweep.id, seen, BATCH)
     end_all(store)
     assert store.waiting_questions() == [sweep.id]
     for late in (BATCH, {}, {("Pendulum", 0): (4, 0, 5, 6)}):
-        assert store.go_on_asking(sweep.id, 2, late) == 0
+        assert store.go_on_asking(sweep.id, seen, late) == 0
     assert store.waiting_questions() == [sweep.id]
     assert store.get_sweep(sweep.id).runs.total == 6
 
 
+@pytest.mark.parametrize("late", [BATCH, {}], ids=["a batch", "settled"])
+def test_what_was_seen_before_a_run_was_trained_again_is_not_written(
+    store: Store, late: dict[tuple[str, int], tuple[int, ...]]
+) -> None:
+    """The sweep has as many runs as before, but other measurements."""
+    specs = [RunSpec("ddpg", "Pendulum", seed, timesteps=1600) for seed in (0, 1)]
+    sweep = store.create_sweep("x", 0, QUESTION, specs, environment_versions={"Pendulum": 1})
+    claim = store.claim_cohort("w", 60.0)
+    assert claim is not None
+    store.record(claim, Progress(1600, finished=(0,), failed=(Failure(1, 0, "x"),)))
+    seen = store.sweep_version(sweep.id)
+    store.move_run(f"{sweep.id}-1", "retry")
+    end_all(store)
+    assert store.waiting_questions() == [sweep.id]
+    assert store.go_on_asking(sweep.id, seen, late) == 0
+    assert store.waiting_questions() == [sweep.id]
+    assert store.get_sweep(sweep.id).runs.total == 2
+
+
 def test_a_sweep_that_is_gone_gets_none(store: Store, sweep: Sweep) -> None:
+    seen = store.sweep_version(sweep.id)
     store.delete_sweep(sweep.id)
     assert store.waiting_questions() == []
-    assert store.go_on_asking(sweep.id, 2, BATCH) == 0
-    assert store.go_on_asking("no-such-sweep", 2, BATCH) == 0
+    for name in (sweep.id, "no-such-sweep"):
+        assert store.go_on_asking(name, seen, BATCH) == 0
+        assert store.go_on_asking(name, store.sweep_version(name), BATCH) == 0
 
 
 def test_a_retry_reopens_the_question(store: Store) -> None:
@@ -89,7 +114,7 @@ def test_a_retry_reopens_the_question(store: Store) -> None:
     claim = store.claim_cohort("w", 60.0)
     assert claim is not None
     store.fail(claim, "Traceback", "")
-    store.go_on_asking(sweep.id, 1, {})
+    store.go_on_asking(sweep.id, store.sweep_version(sweep.id), {})
     assert not store.get_sweep(sweep.id).is_asking
     store.move_run(f"{sweep.id}-0", "retry")
     assert store.get_sweep(sweep.id).is_asking

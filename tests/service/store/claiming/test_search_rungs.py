@@ -13,8 +13,6 @@ from workers.messages.run_spec import NO_WEIGHTS, RunSpec
 
 SEARCH = Search(100_000, 3, "area", (10, 11), {"Pendulum": (Rung(4, 800), Rung(2, 2400))})
 NEXT = {("Pendulum", 1): 2400, ("Pendulum", 2): 2400}
-SEEN = 8 * 800
-"""The timesteps of all runs on the first rung."""
 
 
 @pytest.fixture
@@ -54,9 +52,10 @@ def test_what_was_planned_is_read_back(store: Store, sweep: Sweep) -> None:
 
 def test_the_best_cells_go_on_and_once(store: Store, sweep: Sweep) -> None:
     assert store.waiting_questions() == [sweep.id]
-    assert store.go_on_searching(sweep.id, SEEN, NEXT) == 4
+    seen = store.sweep_version(sweep.id)
+    assert store.go_on_searching(sweep.id, seen, NEXT) == 4
     for _ in range(2):
-        assert store.go_on_searching(sweep.id, SEEN, NEXT) == 0
+        assert store.go_on_searching(sweep.id, seen, NEXT) == 0
     runs = store.list_runs(sweep.id)
     assert [(run.entry, run.spec.timesteps, run.status.value) for run in runs] == [
         (0, 800, "succeeded"), (0, 800, "succeeded"),
@@ -72,19 +71,21 @@ def test_the_best_cells_go_on_and_once(store: Store, sweep: Sweep) -> None:
 
 
 def test_cells_that_lack_nothing_settle_the_search(store: Store, sweep: Sweep) -> None:
-    assert store.go_on_searching(sweep.id, SEEN, {("Pendulum", 0): 800}) == 0
+    seen = store.sweep_version(sweep.id)
+    assert store.go_on_searching(sweep.id, seen, {("Pendulum", 0): 800}) == 0
     assert store.events_after(0)[-1].payload == {"sweep_id": sweep.id, "change": "answered"}
     settled = store.get_sweep(sweep.id)
     assert (settled.is_asking, settled.status) == (False, SweepStatus.FINISHED)
-    assert store.go_on_searching(sweep.id, SEEN, NEXT) == 0
+    assert store.go_on_searching(sweep.id, store.sweep_version(sweep.id), NEXT) == 0
 
 
 def test_what_was_seen_before_another_rung_is_not_written(store: Store, sweep: Sweep) -> None:
-    store.go_on_searching(sweep.id, SEEN, NEXT)
+    seen = store.sweep_version(sweep.id)
+    store.go_on_searching(sweep.id, seen, NEXT)
     while claim := store.claim_cohort("w", 60.0):
         store.record(claim, Progress(2400, finished=tuple(spec.seed for spec in claim.specs)))
     for late in (NEXT, {}, {("Pendulum", 0): 2400}):
-        assert store.go_on_searching(sweep.id, SEEN, late) == 0
+        assert store.go_on_searching(sweep.id, seen, late) == 0
     assert store.waiting_questions() == [sweep.id]
     assert {run.status for run in store.list_runs(sweep.id)} == {
         RunStatus.SUCCEEDED, RunStatus.DIVERGED,
@@ -92,7 +93,9 @@ def test_what_was_seen_before_another_rung_is_not_written(store: Store, sweep: S
 
 
 def test_a_sweep_that_is_gone_goes_no_further(store: Store, sweep: Sweep) -> None:
+    seen = store.sweep_version(sweep.id)
     store.delete_sweep(sweep.id)
     assert store.list_searches() == []
-    assert store.go_on_searching(sweep.id, SEEN, NEXT) == 0
-    assert store.go_on_searching("no-such-sweep", SEEN, NEXT) == 0
+    for name in (sweep.id, "no-such-sweep"):
+        assert store.go_on_searching(name, seen, NEXT) == 0
+        assert store.go_on_searching(name, store.sweep_version(name), NEXT) == 0
