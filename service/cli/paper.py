@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import hashlib
 import json
+import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
@@ -18,7 +19,7 @@ from service.api.schemas.sweep_answer import SweepAnswer
 from service.cli.following import follow
 from service.cli.host.own_service import data_dir, own_service
 from service.cli.terminal import console, say
-from service.client import Client, ServiceError
+from service.client import Client, ServiceError, SubmissionNotice
 from service.paper import preset_file, results, tuning
 from service.paper.evaluation import SEEDS, evaluation
 from service.paper.former import Former, former, whole_sweeps
@@ -85,26 +86,26 @@ def summary(output: Output = Path("results")) -> None:
 
 @app.command()
 def tune(output: Output = Path("results")) -> None:
-    """Run the sweeps that choose the presets, or go on with them; writes tuning.csv.
+    """Run the searches that choose the presets, or go on with them; writes tuning.csv.
 
-    Cells that the folder's tuning.csv has already are not run again.
+    Searches that the folder's tuning.csv has whole are not made again.
     """
     rows = read_tuning(output)
     with any_service() as client:
-        rows += search(
+        rows = search(
             client,
             [
-                tuning.settings_sweep(task, name, rows)
+                tuning.settings_search(task, name, rows)
                 for name, space in tuning.SPACES.items()
                 for task in space.tasks()
             ],
             rows,
             output,
         )
-        rows += search(
+        rows = search(
             client,
             [
-                tuning.weights_sweep(
+                tuning.weights_search(
                     task, hybrid, tuning.best(rows, task, catalogue.baseline(hybrid)).config, rows
                 )
                 for hybrid in tuning.PAIRS
@@ -130,21 +131,21 @@ def presets(output: Output = Path("results")) -> None:
 def search(
     client: Client,
     requests: Iterable[Mapping[str, Any] | None],
-    known: Iterable[Outcome],
+    known: Sequence[Outcome],
     output: Path,
 ) -> list[Outcome]:
-    """Run sweeps of the tuning, the first first; write what is known after each, return the new."""
+    """Run searches, the first first; write what is known after each, and return it."""
     sweeps = [
         submitted(client, {**request, "priority": -place})
         for place, request in enumerate(requests)
         if request
     ]
-    new: list[Outcome] = []
     for sweep in sweeps:
         follow(client, sweep.id, console)
-        new += tuning.outcomes(client.curves(sweep.id, normalized=True, max_points=1000))
-        write_tuning(output, [*known, *new])
-    return new
+        found = tuning.outcomes(client.curves(sweep.id, normalized=True, max_points=1000))
+        known = list({row.cell: row for row in (*known, *found)}.values())
+        write_tuning(output, known)
+    return list(known)
 
 
 @contextmanager
@@ -169,7 +170,8 @@ def any_service() -> Iterator[Client]:
 def submitted(client: Client, request: Mapping[str, Any]) -> SweepAnswer:
     """The sweep of that request, which is queued once however often this is called."""
     text = json.dumps(request, sort_keys=True)
-    return client.submit(request, f"paper {hashlib.sha256(text.encode()).hexdigest()[:32]}")
+    with warnings.catch_warnings(action="ignore", category=SubmissionNotice):  # it means all of it
+        return client.submit(request, f"paper {hashlib.sha256(text.encode()).hexdigest()[:32]}")
 
 
 def wanted(

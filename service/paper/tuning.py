@@ -1,4 +1,4 @@
-"""How the presets were chosen: sweeps over the same number of cells for every learner.
+"""How the presets were chosen: searches over the same number of cells for every learner.
 
 1. The settings: six cells a task for each learner that has one pair of weights, or none, on all
    tasks (`SPACES`): the learners without gradient terms, and the hybrids with bounded losses.
@@ -10,11 +10,13 @@ MPC, which does not learn, takes no part.
 
 What is best has the largest mean, over runs, of the area under the normalised learning curve (the
 mean of its return_mean); of equals the first. A cell of which a run did not reach its end is not
-chosen. A cell costs the same number of seeds and timesteps for every learner. Seeds are none of
-the evaluation's. A cell whose outcome is known already is not run again: the search outlives the
-database and the machine that began it by its table, tuning.csv.
+chosen. A search of the service (service/model/inquiry/search.py) trains them; its only rung has all
+cells, so that a cell costs the same number of seeds and timesteps for every learner, and its seeds
+count in no question. A search whose outcomes are all known is not made again: they outlive the
+database and the machine that found them in their table, tuning.csv.
 """
 
+import json
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -159,6 +161,10 @@ PAIRS: Mapping[str, Sequence[Weights]] = {
 """The weights searched of each hybrid, in the order of the searches."""
 
 
+Cell = tuple[str, str, Weights, str]
+"""A task, an algorithm, its weights, its settings as text."""
+
+
 @dataclass(frozen=True)
 class Outcome:
     """What one cell of a tuning sweep reached.
@@ -179,75 +185,74 @@ class Outcome:
     runs: int
     sweep: str
 
+    @property
+    def cell(self) -> Cell:
+        """What was tried, which a table has once."""
+        return cell_of(self.environment, self.algorithm, self.weights, self.config)
+
+
+def cell_of(environment: str, algorithm: str, weights: Weights, config: Mapping[str, Any]) -> Cell:
+    """Return what tells a cell from all others."""
+    return environment, algorithm, weights, json.dumps(config, sort_keys=True)
+
 
 def space_of(algorithm: str) -> Space:
     """Where the settings of an algorithm, or of what it extends, come from."""
     return SPACES.get(algorithm) or SPACES[catalogue.baseline(algorithm)]
 
 
-def settings_sweep(
+def settings_search(
     environment: str, name: str, known: Collection[Outcome] = ()
 ) -> dict[str, Any] | None:
     """Round 1: a learner with each of its settings, and its weights where it has any.
 
-    None where every outcome is known; else without the cells whose outcome is.
+    None where every outcome is known.
     """
     space = SPACES[name]
-    weights = space.weights
-    return _sweep(
-        f"tuning: settings of {name}, {environment}",
-        environment,
-        [
-            {"name": space.algorithm, "weights": weights._asdict(), "config": config}
-            for config in space.on(environment)
-            if not _is_known(known, environment, space.algorithm, weights, config)
-        ],
-    )
+    cells = [(space.weights, config) for config in space.on(environment)]
+    name = f"tuning: settings of {name}, {environment}"
+    return _search(name, environment, space.algorithm, cells, known)
 
 
-def weights_sweep(
+def weights_search(
     environment: str, hybrid: str, config: Mapping[str, Any], known: Collection[Outcome] = ()
 ) -> dict[str, Any] | None:
     """Round 2: a hybrid, with each pair of weights, under the best settings of what it extends.
 
-    None where every outcome is known; else without the cells whose outcome is.
+    None where every outcome is known.
     """
-    pairs = [
-        weights._asdict()
-        for weights in PAIRS[hybrid]
-        if not _is_known(known, environment, hybrid, weights, config)
-    ]
-    return _sweep(
-        f"tuning: weights of {hybrid}, {environment}",
-        environment,
-        [{"name": hybrid, "weights": pairs, "config": dict(config)}] if pairs else [],
-    )
+    cells = [(weights, config) for weights in PAIRS[hybrid]]
+    name = f"tuning: weights of {hybrid}, {environment}"
+    return _search(name, environment, hybrid, cells, known)
 
 
-def _is_known(
-    known: Collection[Outcome],
+def _search(
+    name: str,
     environment: str,
     algorithm: str,
-    weights: Weights,
-    config: Mapping[str, Any],
-) -> bool:
-    cell = (environment, algorithm, weights, dict(config))
-    return any(
-        row.runs == len(SEEDS)
-        and cell == (row.environment, row.algorithm, row.weights, dict(row.config))
-        for row in known
-    )
-
-
-def _sweep(name: str, environment: str, algorithms: list[dict[str, Any]]) -> dict[str, Any] | None:
-    if not algorithms:
+    cells: Sequence[tuple[Weights, Mapping[str, Any]]],
+    known: Collection[Outcome],
+) -> dict[str, Any] | None:
+    """Return the request of a search with one rung; None where it would find nothing new."""
+    there = {row.cell for row in known if row.runs == len(SEEDS)}
+    wanted = {cell_of(environment, algorithm, *cell) for cell in cells}
+    if wanted <= there:
         return None
+    timesteps = TIMESTEPS[environment]
     return {
         "name": name,
-        "algorithms": algorithms,
+        "algorithms": [
+            {"name": algorithm, "weights": weights._asdict(), "config": dict(config)}
+            for weights, config in cells
+        ],
         "environments": [environment],
         "seeds": SEEDS,
-        "timesteps": TIMESTEPS[environment],
+        "timesteps": timesteps,
+        "search": {
+            "budget": len(cells) * len(SEEDS) * timesteps,
+            "reduction": len(cells),
+            "score": "area",
+        },
     }
 
 
@@ -315,4 +320,4 @@ def is_whole(rows: Iterable[Outcome], environment: str, name: str) -> bool:
             row.weights for row in rows if (row.environment, row.algorithm) == (environment, name)
         }
         return known >= set(PAIRS[name])
-    return settings_sweep(environment, name, rows) is None
+    return settings_search(environment, name, rows) is None

@@ -15,7 +15,7 @@ from service.model.inquiry.search import (
     rungs_of,
     search_seeds,
 )
-from service.model.inquiry.tuning_seeds import SEARCHES, seeds_text
+from service.model.inquiry.tuning_seeds import PRESETS, SEARCHES, chooses, seeds_text
 from service.model.request.entry import Entry
 from workers.messages.run_spec import RunSpec
 
@@ -28,10 +28,13 @@ def search_faults(request: SweepRequest, cells: Cells) -> Iterator[Fault]:
         return
     if request.question is not None:
         yield Fault("search", "a sweep either searches or asks: ask in another one, on other seeds")
-    if not isinstance(request.seeds, int) or request.seeds < FEWEST_SEEDS:
+    given = request.seeds
+    is_own = isinstance(given, int) or all(map(chooses, given))
+    if not is_own or _fewest(given) < FEWEST_SEEDS:
         message = (
             f"a search takes seeds of its own: give how many each entry is to have at least, "
-            f"{FEWEST_SEEDS} or more"
+            f"{FEWEST_SEEDS} or more, or {FEWEST_SEEDS} or more of those that are kept for "
+            f"choosing settings ({seeds_text(PRESETS)}; {seeds_text(SEARCHES)})"
         )
         yield Fault("seeds", message, FEWEST_SEEDS)
     if isinstance(request.scale, list):
@@ -46,21 +49,24 @@ def planned_search(request: SweepRequest, cells: Cells) -> Search | None:
     The cells are as long as the sweep's runs can get.
     """
     asked = request.search
-    if asked is None or not isinstance(request.seeds, int):
+    if asked is None:
         return None
     rungs = {
         task: rungs_of(len(own), own[0].timesteps, asked.reduction)
         for task, own in _by_task(cells).items()
     }
     cost = cost_of_a_seed(rungs)
-    if asked.budget < (least := request.seeds * cost):
+    fewest = _fewest(request.seeds)
+    if asked.budget < (least := fewest * cost):
         message = (
-            f"is too small: with {request.seeds} seeds the search takes {least:,} timesteps. Give "
+            f"is too small: with {fewest} seeds the search takes {least:,} timesteps. Give "
             "as many, or fewer timesteps to the longest runs, or fewer entries"
         )
         raise InvalidRequest([Fault("search.budget", message, least)])
-    seeds = min(asked.budget // cost, MAX_RUNS // len(cells), len(SEARCHES))
-    return Search(asked.budget, asked.reduction, asked.score, search_seeds(seeds), rungs)
+    affordable = min(asked.budget // cost, MAX_RUNS // len(cells), len(SEARCHES))
+    given = request.seeds
+    seeds = search_seeds(affordable) if isinstance(given, int) else tuple(given)
+    return Search(asked.budget, asked.reduction, asked.score, seeds, rungs)
 
 
 def first_rung(cells: Cells, search: Search | None) -> Cells:
@@ -91,6 +97,11 @@ def search_notices(search: Search | None) -> Iterator[str]:
         f"Its seeds are {seeds_text(search.seeds)}, which no question takes: ask with others "
         "whether the best entry is better."
     )
+
+
+def _fewest(seeds: int | list[int]) -> int:
+    """Return how many seeds each entry is to have at least."""
+    return seeds if isinstance(seeds, int) else len(seeds)
 
 
 def _by_task(cells: Cells) -> dict[str, list[RunSpec]]:

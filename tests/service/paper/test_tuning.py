@@ -11,6 +11,7 @@ from service.api.schemas.curves_answer import CurveAnswer, CurvesAnswer, PanelAn
 from service.api.schemas.requests.sweep_request import SweepRequest
 from service.api.schemas.run_answer import WeightsAnswer
 from service.api.submission.plan import plan as plan_in
+from service.model.inquiry.search import Rung
 from service.model.request.plan import Plan
 from service.paper import tuning
 from service.paper.tuning import Outcome, best
@@ -34,12 +35,15 @@ def test_every_learner_has_six_cells_a_task() -> None:
     """No learner has a larger budget than another; a cell costs the same seeds and timesteps."""
     for name, space in tuning.SPACES.items():
         for task in space.tasks():
-            settings = plan(requested(tuning.settings_sweep(task, name)))
+            settings = plan(requested(tuning.settings_search(task, name)))
             assert len(settings.cells) == 6
+            assert settings.search is not None
+            assert settings.search.seeds == tuple(tuning.SEEDS)
+            assert settings.search.rungs == {task: (Rung(6, tuning.TIMESTEPS[task]),)}
             chosen = space.on(task)[0]
             for hybrid in tuning.PAIRS:
                 if catalogue.baseline(hybrid) == name:
-                    weights = plan(requested(tuning.weights_sweep(task, hybrid, chosen)))
+                    weights = plan(requested(tuning.weights_search(task, hybrid, chosen)))
                     assert len({cell.weights for cell in weights.cells}) == 6
                     assert all(chosen.items() <= cell.config.items() for cell in weights.cells)
 
@@ -53,11 +57,12 @@ def test_what_is_known_is_not_run_again() -> None:
 
     def wanted(scale: float, known: list[Outcome]) -> dict[str, Any] | None:
         config = {"temperature": "fixed", "reward_scale": scale}
-        return tuning.weights_sweep("Pendulum", "hybrid-sac", config, known)
+        return tuning.weights_search("Pendulum", "hybrid-sac", config, known)
 
-    assert len(plan(requested(wanted(3.0, known))).cells) == 5, "three runs are not an outcome yet"
-    assert len(plan(requested(wanted(1.0, known))).cells) == 6
+    for scale in (3.0, 1.0):
+        assert len(plan(requested(wanted(scale, known))).cells) == 6, "a search compares all cells"
     everything = [outcome(pair, 4) for pair in tuning.PAIRS["hybrid-sac"]]
+    assert wanted(3.0, [*everything[:-1], outcome(tuning.PAIRS["hybrid-sac"][-1], 3)]) is not None
     assert wanted(3.0, everything) is None
     assert tuning.is_whole(everything, "Pendulum", "hybrid-sac")
     assert not tuning.is_whole(known, "Pendulum", "hybrid-sac")

@@ -282,7 +282,8 @@ class SweepRequest(Request):
         Discriminator(_one_or_list),
     ] = Field(
         description="n for the seeds 0 to n - 1, or a list of distinct ones. In a search, which "
-        "chooses them, the fewest that each entry is to have."
+        "chooses them, the fewest that each entry is to have, or a list of those that are kept for "
+        "choosing settings."
     )
     timesteps: int | None = Field(
         default=None,

@@ -51,6 +51,12 @@ def faults(client: TestClient, sweep: dict[str, Any]) -> dict[str, str]:
     ("fields", "field", "said"),
     [
         ({"seeds": [1, 2]}, "seeds", "takes seeds of its own"),
+        (
+            {"seeds": [100, 116]},
+            "seeds",
+            "kept for choosing settings (100 to 115; 1,000,000,000 to",
+        ),
+        ({"seeds": [100]}, "seeds", "2 or more of those"),
         ({"seeds": 1}, "seeds", "2 or more"),
         ({"scale": [0.1, 1.0]}, "scale", "equally long"),
         ({"search": {"budget": 14_399}}, "search.budget", "2 seeds the search takes 14,400"),
@@ -100,6 +106,15 @@ def test_whoever_searches_is_told_what_will_be_trained(idle_client: TestClient) 
         "Its seeds are 1,000,000,000 to 1,000,000,002, which no question takes: ask with others "
         "whether the best entry is better.",
     ]
+
+
+def test_seeds_that_are_kept_for_choosing_can_be_named(idle_client: TestClient) -> None:
+    sweep = searching(budget=9 * SEED_COST, seeds=[100, 103])
+    answer = idle_client.post("/api/v1/sweeps?dry_run=true", json=sweep).json()
+    assert (answer["runs"]["total"], answer["timesteps"]) == (10, 2 * SEED_COST)
+    assert answer["notices"][1].startswith("Its seeds are 100; 103, which no question takes")
+    short = searching(budget=2 * SEED_COST - 1, seeds=[100, 103])
+    assert "with 2 seeds" in faults(idle_client, short)["search.budget"]
 
 
 def test_the_estimate_is_of_all_rungs(idle_client: TestClient) -> None:

@@ -13,4 +13,5 @@ def test_what_chose_the_presets_is_kept_and_what_is_evaluated_is_not() -> None:
 
 def test_seeds_in_words() -> None:
     assert seeds_text((1_000_000_000, 1_000_000_001)) == "1,000,000,000 to 1,000,000,001"
+    assert seeds_text([100, 101, 103]) == "100; 101; 103"
     assert seeds_text((7,)) == "7"
