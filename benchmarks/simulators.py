@@ -4,6 +4,8 @@ The pendulum is the project's own task (compiled), and the same mass, length and
 functions, JAX functions and a MuJoCo model. Of MuJoCo's ready-made tasks, `step` stands beside
 `mujoco.rollout` of as many steps of the model from the same states, on this one thread: what is
 lost is what the task does beside MuJoCo's steps. All take turns, and the best round of each counts.
+At last the learners train on the forms: timesteps of a seed over the seconds that its measurements
+have, of eight seeds at once.
 """
 
 import argparse
@@ -16,6 +18,7 @@ import numpy as np
 import torch
 from mujoco.rollout import Rollout
 
+import algorithms
 import physics
 from benchmarks.physics import BATCHES, Contender, best_rates, our_step, report
 from physics.catalogue import EXTRAS
@@ -27,6 +30,7 @@ from physics.mujoco import MujocoTask, TorchMujocoTask
 from physics.torch_environment import TorchEnvironment
 
 DT = 0.05
+TRAINED = 4000
 MODEL = """
 <mujoco>
   <option timestep="0.05" gravity="0 0 -10"><flag contact="disable"/></option>
@@ -113,6 +117,15 @@ def both(environment: Environment, batch: int) -> list[Contender]:
     ]
 
 
+def trained(algorithm: str, environment: Environment) -> float:
+    """Timesteps a second of one seed among eight."""
+    last = {
+        each.seed: each
+        for each in algorithms.train(algorithm, environment, range(8), timesteps=TRAINED)
+    }
+    return len(last) * TRAINED / sum(each.seconds for each in last.values())
+
+
 def rollout(task: MujocoTask, batch: int) -> Callable[[], None]:
     """MuJoCo's own batched steps, as `our_step` calls ours: from the state it was led to."""
     model, data = task.model, mujoco.MjData(task.model)
@@ -162,6 +175,12 @@ def main() -> None:
         labels = [f"{label}, {each.name}" for label, form in forms for each in both(form, batch)]
         for label, rate in zip(labels, rates, strict=True):
             report(f"Pendulum, batch {batch}, {label}", rate, "transitions/s")
+    for algorithm in ("ddpg", "hybrid-ddpg-robust"):
+        native, *others = [trained(algorithm, form) for _, form in forms]
+        report(f"Pendulum, {algorithm}, compiled", native, "timesteps/s")
+        for (label, _), rate in zip(forms[1:], others, strict=True):
+            report(f"Pendulum, {algorithm}, {label}", rate, "timesteps/s")
+            report(f"Pendulum, {algorithm}, {label} over compiled", rate / native, "x")
     for name in arguments.names:
         task = physics.make(name)
         assert isinstance(task, MujocoTask)
