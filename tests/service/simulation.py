@@ -188,10 +188,9 @@ class Simulation:
             self.steps += 1
             for name in list(self.workers):
                 self.train(name)
-                while name in self.workers and self.workers[name].reports:
+                self.finish_commands()
+                while self.deliver(name):
                     self.finish_commands()
-                    self.deliver(name)
-            self.finish_commands()
             self.tick()
             self.finish_commands()
             self.look()
