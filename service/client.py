@@ -357,6 +357,28 @@ class Client:
         """The attempts of a run, oldest first, with how each one ended."""
         return self._list(AttemptAnswer, f"/runs/{run_id}/attempts")
 
+    def follow_log(self, run_id: str, poll_seconds: float = 1.0) -> Iterator[AttemptAnswer]:
+        """The newest attempt of a run, whenever its `log_tail` has changed, until the run ended.
+
+        Goes on while the service does not answer.
+
+        Args:
+            run_id: the run.
+            poll_seconds: time between two looks.
+        """
+        seen: tuple[int, str] | None = None
+        has_ended = False
+        while not has_ended:
+            with through_silence():
+                is_final = self.run(run_id).status.is_final
+                for attempt in self.attempts(run_id)[-1:]:
+                    if seen != (attempt.attempt, attempt.log_tail):
+                        seen = (attempt.attempt, attempt.log_tail)
+                        yield attempt
+                has_ended = is_final  # and all that was printed is told
+            if not has_ended:
+                time.sleep(poll_seconds)
+
     def move(self, identifier: str, move: Move) -> SweepAnswer | RunAnswer:
         """Cancel, pause, resume, retry or uncancel a sweep, or a single run.
 
@@ -794,12 +816,8 @@ class Client:
         """
         deadline = time.monotonic() + timeout_seconds
         while True:
-            try:
+            with through_silence():
                 sweep = self.sweep(sweep_id)
-            except ServiceError as error:
-                if error.status is not None:
-                    raise
-            else:
                 if progressed is not None:
                     progressed(sweep)
                 if has_ended(sweep):
@@ -856,6 +874,16 @@ class Client:
             f"No service answers at {self.url} ({error}). Start one with `d3pg serve`, or "
             "name another with D3PG_URL."
         )
+
+
+@contextmanager
+def through_silence() -> Iterator[None]:
+    """Go on where the service does not answer; what it refuses is raised."""
+    try:
+        yield
+    except ServiceError as error:
+        if error.status is not None:
+            raise
 
 
 def as_json(request: Request) -> dict[str, Any]:

@@ -26,6 +26,7 @@ from service.cli.host import db, demo
 from service.cli.host.doctor import doctor
 from service.cli.host.serving import serve
 from service.cli.listing import ls, show
+from service.cli.logs import logs
 from service.cli.moving import command_of
 from service.cli.people import sessions, shares, users
 from service.cli.people.sessions import signin
@@ -54,8 +55,8 @@ app.add_typer(shares.app)
 app.add_typer(sessions.app)
 app.add_typer(paper.app)
 COMMANDS: tuple[Callable[..., None], ...] = (
-    serve, submit, search, ls, show, edit, watch, *map(command_of, TRANSITIONS), rm, add, extend,
-    export, table, plot, figure, rollout, policy, diagnose, verify, share, signin,
+    serve, submit, search, ls, show, logs, edit, watch, *map(command_of, TRANSITIONS), rm, add,
+    extend, export, table, plot, figure, rollout, policy, diagnose, verify, share, signin,
     doctor,
 )  # fmt: skip
 for command in COMMANDS:

@@ -68,6 +68,42 @@ def test_a_failed_run_tells_why(signed_in: Page, live: LiveService, sweep: Sweep
     expect(signed_in.get_by_role("button", name="Cancel run")).to_be_hidden()
 
 
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_the_log_grows_while_the_run_trains(
+    signed_in: Page, live: LiveService, sweep: Sweep, scheme: str
+) -> None:
+    signed_in.emulate_media(color_scheme="dark" if scheme == "dark" else "light")
+    signed_in.goto(f"{live.url}/runs/{sweep.id}-0")
+    log = signed_in.get_by_label("Log of the worker")
+    expect(signed_in.locator("#attempts li")).to_contain_text("running on test")
+    expect(log).to_be_hidden()
+    live.print("<b>one</b>\n")
+    expect(log).to_have_text("<b>one</b>\n")
+    lines = "".join(f"line {number}\n" for number in range(200))
+    live.print(lines)
+    expect(log).to_contain_text("line 199")
+    assert log.evaluate("log => log.scrollTop + log.clientHeight >= log.scrollHeight - 1")
+    log.evaluate("log => log.scrollTo(0, 0)")
+    live.print(f"{lines}the last\n")
+    expect(log).to_contain_text("the last")
+    assert log.evaluate("log => log.scrollTop") == 0
+    assert violations(signed_in) == []
+    live.train(9600, 20_000)
+    expect(signed_in.locator("#attempts li")).to_contain_text("succeeded on test")
+    expect(log).to_contain_text("the last")
+
+
+def test_what_the_workers_of_other_runs_print_is_not_asked_for(
+    signed_in: Page, live: LiveService, sweep: Sweep
+) -> None:
+    signed_in.goto(f"{live.url}/runs/{sweep.id}-5")  # of the second cohort
+    expect(signed_in.locator("#attempts li")).to_contain_text("running on test")
+    live.print("of the first cohort\n")
+    live.train(9600, 10_400)  # is told after it
+    expect(signed_in.locator("#percent")).to_have_text("52 %")
+    expect(signed_in.get_by_label("Log of the worker")).to_be_hidden()
+
+
 def test_a_run_is_cancelled_on_its_page(signed_in: Page, live: LiveService, sweep: Sweep) -> None:
     signed_in.goto(f"{live.url}/runs/{sweep.id}-0")
     signed_in.get_by_role("button", name="Cancel run").click()
