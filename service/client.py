@@ -495,6 +495,11 @@ class Client:
         """Every measurement of all runs of a sweep as CSV, a line a measurement; one request."""
         return self._call("GET", f"/sweeps/{sweep_id}/measurements").text
 
+    def sweep_csv_parts(self, sweep_id: str) -> Iterator[str]:
+        """The same text in parts, as they arrive; nothing holds it whole."""
+        with self._streamed(f"/sweeps/{sweep_id}/measurements") as answer:
+            yield from answer.iter_text()
+
     def save_measurements(
         self, sweep_id: str, file: Path, form: Literal["csv", "parquet"] = "csv"
     ) -> int:
