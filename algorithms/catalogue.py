@@ -5,11 +5,14 @@ algorithm's name and `module:object` of an `Algorithm`. The project's own are li
 code is loaded on first use.
 """
 
+import ast
 import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
+from functools import cache
 from importlib.metadata import entry_points
+from importlib.util import find_spec
 from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any
@@ -52,6 +55,10 @@ class Algorithm:
     extends: str = ""
     core_seconds: Mapping[str, float] = field(default_factory=dict)
 
+    def description(self) -> str:
+        """The docstring of the module that builds its learner, which is not run for it."""
+        return _docstring_of(self.builder.partition(":")[0])
+
     def config_class(self) -> type[Any]:
         """The class of its settings."""
         loaded: type[Any] = resolve_name(self.config)
@@ -66,6 +73,16 @@ class Algorithm:
         """The function that says how much memory a run fills, if there is one."""
         loaded: Callable[..., int] | None = resolve_name(self.memory) if self.memory else None
         return loaded
+
+
+@cache
+def _docstring_of(module: str) -> str:
+    """The docstring of a module, which is found but not run; empty where it has no source."""
+    found = find_spec(module)
+    if found is None or found.origin is None:
+        return ""
+    source = Path(found.origin).read_text(encoding="utf-8")
+    return ast.get_docstring(ast.parse(source)) or ""
 
 
 def hybrid(

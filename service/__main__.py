@@ -1,5 +1,7 @@
 """`python -m service`: the server, until Ctrl-C or SIGTERM."""
 
+import argparse
+import json
 import logging
 import signal
 import socket
@@ -31,6 +33,9 @@ log = logging.getLogger(__name__)
 
 def main() -> int:
     """Serve. A refusal to start is a sentence on standard error and exit code 2."""
+    parser = argparse.ArgumentParser(prog="python -m service")
+    parser.add_argument("--json", action="store_true", help="say as JSON where it is found")
+    as_json = parser.parse_args().json
     try:
         settings = Settings()
     except ValidationError as error:
@@ -48,7 +53,9 @@ def main() -> int:
         with closing(listen(settings.host, settings.port)) as listener, wired(settings) as app:
             here = settings.model_copy(update={"port": listener.getsockname()[1]})
             register: Register = app.state.register
-            print(f"{here.public.url}{signin_path(register.new_code())}", flush=True)  # noqa: T201
+            url, path = here.public.url, signin_path(register.new_code())
+            found = {"url": url, "link": f"{url}{path}", "data_dir": str(here.data_dir)}
+            print(json.dumps(found) if as_json else found["link"], flush=True)  # noqa: T201
             serve(app, listener, here)
     except RefusalError as refusal:
         print(refusal, file=sys.stderr)  # noqa: T201

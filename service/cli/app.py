@@ -26,6 +26,7 @@ from service.cli.host import db, demo
 from service.cli.host.doctor import doctor
 from service.cli.host.serving import serve
 from service.cli.listing import ls, show
+from service.cli.logs import logs
 from service.cli.moving import command_of
 from service.cli.people import sessions, shares, users
 from service.cli.people.sessions import signin
@@ -38,7 +39,7 @@ from service.cli.results.rolling import rollout
 from service.cli.results.verifying import verify
 from service.cli.searching import search
 from service.cli.submitting import submit
-from service.cli.terminal import AsJson, console, say
+from service.cli.terminal import AsJson, say
 from service.client import ServiceError, find_token
 from service.model.move import TRANSITIONS
 
@@ -54,8 +55,8 @@ app.add_typer(shares.app)
 app.add_typer(sessions.app)
 app.add_typer(paper.app)
 COMMANDS: tuple[Callable[..., None], ...] = (
-    serve, submit, search, ls, show, edit, watch, *map(command_of, TRANSITIONS), rm, add, extend,
-    export, table, plot, figure, rollout, policy, diagnose, verify, share, signin,
+    serve, submit, search, ls, show, logs, edit, watch, *map(command_of, TRANSITIONS), rm, add,
+    extend, export, table, plot, figure, rollout, policy, diagnose, verify, share, signin,
     doctor,
 )  # fmt: skip
 for command in COMMANDS:
@@ -79,9 +80,13 @@ def token(
 @app.command(name="demo")
 def run_demo(
     once: Annotated[bool, typer.Option("--once", help="End with the sweep.")] = False,
+    as_json: AsJson = False,
 ) -> None:
-    """Start the service, train a small sweep for real and show its curves; until Ctrl-C."""
-    raise typer.Exit(demo.run(console, once))
+    """Start the service, train a small sweep for real and show its curves; until Ctrl-C.
+
+    With --json: a line with the sweep's id and the link, then a line a change, as `watch` has them.
+    """
+    raise typer.Exit(demo.run(once=once, as_json=as_json))
 
 
 def main() -> None:

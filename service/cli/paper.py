@@ -1,4 +1,8 @@
-"""`d3pg paper`: the paper's evaluation, from its sweeps to its figures, and its tuning."""
+"""`d3pg paper`: the paper's evaluation, from its sweeps to its figures, and its tuning.
+
+With --json, standard output has one JSON value, of what was written, and all else is said on
+standard error.
+"""
 
 from __future__ import annotations
 
@@ -13,12 +17,13 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from rich.console import Console
 
 from algorithms import catalogue
 from service.api.schemas.sweep_answer import SweepAnswer
 from service.cli.following import follow
 from service.cli.host.own_service import data_dir, own_service
-from service.cli.terminal import console, say
+from service.cli.terminal import AsJson, console, errors, say
 from service.client import Client, ServiceError, SubmissionNotice
 from service.paper import preset_file, results, tuning
 from service.paper.evaluation import SEEDS, evaluation
@@ -40,6 +45,7 @@ def run(
         float, typer.Option(min=0.001, max=1, help="Share of the timesteps, for a quick look.")
     ] = 1.0,
     output: Output = Path("results"),
+    as_json: AsJson = False,
 ) -> None:
     """Run the whole evaluation, or go on with it, and write its results.
 
@@ -49,13 +55,14 @@ def run(
     """
     if context.invoked_subcommand is not None:
         return
-    with any_service() as client:
-        requests, kept = wanted(client, evaluation(seeds, scale), output)
+    told = console_of(as_json)
+    with any_service(told) as client:
+        requests, kept = wanted(client, evaluation(seeds, scale), output, told)
         sweeps = [submitted(client, request) for request in requests]
         for sweep in sweeps:
-            say(f"{sweep.name}:  {client.url}/sweeps/{sweep.id}?figures=1")
-        codes = [follow(client, sweep.id, console) for sweep in sweeps]
-        write(client, sweeps, output, kept)
+            say(f"{sweep.name}:  {client.url}/sweeps/{sweep.id}?figures=1", told)
+        codes = [follow(client, sweep.id, told) for sweep in sweeps]
+        write(client, sweeps, output, kept, as_json)
     raise SystemExit(max(codes, default=0))
 
 
@@ -64,34 +71,39 @@ def write_results(
     seeds: Annotated[int, typer.Option(min=1, help="Of the evaluation.")] = SEEDS,
     scale: Annotated[float, typer.Option(min=0.001, max=1, help="Of the evaluation.")] = 1.0,
     output: Output = Path("results"),
+    as_json: AsJson = False,
 ) -> None:
     """Write what the evaluation has measured so far, without waiting for its end."""
-    with any_service() as client:
-        requests, kept = wanted(client, evaluation(seeds, scale), output)
-        write(client, [submitted(client, request) for request in requests], output, kept)
+    told = console_of(as_json)
+    with any_service(told) as client:
+        requests, kept = wanted(client, evaluation(seeds, scale), output, told)
+        write(client, [submitted(client, request) for request in requests], output, kept, as_json)
 
 
 @app.command()
-def derive(output: Output = Path("results")) -> None:
+def derive(output: Output = Path("results"), as_json: AsJson = False) -> None:
     """Write gains.csv and figure 7 again, from the folder's measurements; needs no service."""
     results.derive(output)
-    say(f"Wrote {output}/gains.csv and {output}/figure-7.*")
+    written = list(map(str, (output / "gains.csv", *sorted(output.glob("figure-7.*")))))
+    say(json.dumps({"files": written}) if as_json else f"Wrote {', '.join(written)}")
 
 
 @app.command()
-def summary(output: Output = Path("results")) -> None:
+def summary(output: Output = Path("results"), as_json: AsJson = False) -> None:
     """Print what the folder's measurements say to the evaluation's questions, in Markdown."""
-    typer.echo(summarized(output))
+    text = summarized(output)
+    typer.echo(json.dumps({"markdown": text}) if as_json else text)
 
 
 @app.command()
-def tune(output: Output = Path("results")) -> None:
+def tune(output: Output = Path("results"), as_json: AsJson = False) -> None:
     """Run the searches that choose the presets, or go on with them; writes tuning.csv.
 
     Searches that the folder's tuning.csv has whole are not made again.
     """
+    told = console_of(as_json)
     rows = read_tuning(output)
-    with any_service() as client:
+    with any_service(told) as client:
         rows = search(
             client,
             [
@@ -101,6 +113,7 @@ def tune(output: Output = Path("results")) -> None:
             ],
             rows,
             output,
+            told,
         )
         rows = search(
             client,
@@ -113,19 +126,23 @@ def tune(output: Output = Path("results")) -> None:
             ],
             rows,
             output,
+            told,
         )
-    say(f"{output / 'tuning.csv'} has {len(rows)} outcomes")
+    file = str(output / "tuning.csv")
+    found = {"file": file, "outcomes": len(rows)}
+    say(json.dumps(found) if as_json else f"{file} has {len(rows)} outcomes")
 
 
 @app.command()
-def presets(output: Output = Path("results")) -> None:
+def presets(output: Output = Path("results"), as_json: AsJson = False) -> None:
     """Write algorithms/presets.toml from the folder's tuning.csv, which has to be whole."""
     try:
         text = preset_file.as_toml(preset_file.presets_of(read_tuning(output)))
     except ValueError as reason:
         raise typer.BadParameter(str(reason)) from None
     preset_file.FILE.write_text(text, encoding="utf-8")
-    say(f"Wrote {preset_file.FILE}")
+    file = str(preset_file.FILE)
+    say(json.dumps({"file": file}) if as_json else f"Wrote {file}")
 
 
 def search(
@@ -133,6 +150,7 @@ def search(
     requests: Iterable[Mapping[str, Any] | None],
     known: Sequence[Outcome],
     output: Path,
+    told: Console,
 ) -> list[Outcome]:
     """Run searches, the first first; write what is known after each, and return it."""
     sweeps = [
@@ -141,26 +159,32 @@ def search(
         if request
     ]
     for sweep in sweeps:
-        follow(client, sweep.id, console)
+        follow(client, sweep.id, told)
         found = tuning.outcomes(client.curves(sweep.id, normalized=True, max_points=1000))
         known = list({row.cell: row for row in (*known, *found)}.values())
         write_tuning(output, known)
     return list(known)
 
 
+def console_of(as_json: bool) -> Console:
+    """Where the commands say how it goes."""
+    return errors if as_json else console
+
+
 @contextmanager
-def any_service() -> Iterator[Client]:
+def any_service(told: Console) -> Iterator[Client]:
     """The service that answers already, else one of the command's own."""
     try:
         client = Client()
         client.readiness()
     except ServiceError:
-        say("Starting a service and a local Ray ...")
+        say("Starting a service and a local Ray ...", told)
         try:
             with own_service() as (client, _):
                 yield client
         except KeyboardInterrupt:
-            say(f"Stopped. Everything measured is kept in {data_dir()}/; call again to go on.")
+            kept = f"Stopped. Everything measured is kept in {data_dir()}/; call again to go on."
+            say(kept, told)
             raise
     else:
         with client:
@@ -175,7 +199,7 @@ def submitted(client: Client, request: Mapping[str, Any]) -> SweepAnswer:
 
 
 def wanted(
-    client: Client, requests: Sequence[Mapping[str, Any]], output: Path
+    client: Client, requests: Sequence[Mapping[str, Any]], output: Path, told: Console
 ) -> tuple[list[Mapping[str, Any]], Former]:
     """The sweeps to ask the service for, and what the folder has of the others; says which.
 
@@ -184,19 +208,26 @@ def wanted(
     held = [client.sweep(sweep.id).request for sweep in client.sweeps(archived=None)]
     whole = whole_sweeps(output, [request for request in requests if request not in held])
     for request in whole:
-        say(f"{request['name']}:  whole in {output}/, not trained again")
+        say(f"{request['name']}:  whole in {output}/, not trained again", told)
     return [request for request in requests if request not in whole], former(output, whole)
 
 
-def write(client: Client, sweeps: Iterable[SweepAnswer], output: Path, kept: Former) -> None:
+def write(
+    client: Client, sweeps: Iterable[SweepAnswer], output: Path, kept: Former, as_json: bool
+) -> None:
     """Write the results of the sweeps as they now stand, and say what is lacking."""
     now = [client.sweep(sweep.id) for sweep in sweeps]
-    for sentence in results.write(client, now, output, kept):
-        say(sentence)
+    lacking = list(results.write(client, now, output, kept))
     counts = [sweep.runs.model_dump() for sweep in now]
     counts += [evidence["runs"] for evidence in kept.evidence.values()]
     ended, total = (sum(each[name] for each in counts) for name in ("succeeded", "total"))
-    say(f"Wrote {output}/: {ended} of {total} runs reached their end.")
+    if as_json:
+        sweep_ids = [sweep.id for sweep in now]
+        document = {"output": str(output), "sweeps": sweep_ids, "succeeded": ended, "total": total}
+        say(json.dumps({**document, "lacking": lacking}))
+        return
+    for sentence in (*lacking, f"Wrote {output}/: {ended} of {total} runs reached their end."):
+        say(sentence)
 
 
 def read_tuning(folder: Path) -> list[Outcome]:

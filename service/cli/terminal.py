@@ -44,12 +44,18 @@ def escaped(character: str) -> str:
     return "".join(f"\\u{units[i : i + 2].hex()}" for i in range(0, len(units), 2))
 
 
-def write_out(text: str) -> None:
-    """Write a text as it stands; on a terminal, cleaned of what would steer it."""
-    if console.is_terminal:
-        say(text.rstrip("\n"))
-    else:
-        sys.stdout.write(text)
+def write_out(parts: Iterable[str]) -> None:
+    """Write a text, as its parts arrive, as it stands; on a terminal, cleaned of what steers it."""
+    if not console.is_terminal:
+        sys.stdout.writelines(parts)
+        return
+    rest = ""
+    for part in parts:
+        lines, end, rest = (rest + part).rpartition("\n")
+        if end:
+            say(lines)
+    if rest:
+        say(rest)
 
 
 def print_table(headings: Sequence[str], rows: Rows, console: Console = console) -> None:

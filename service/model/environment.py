@@ -1,5 +1,7 @@
 """What the service knows of an environment: its declared constants, never its dynamics."""
 
+import inspect
+import sys
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -36,6 +38,8 @@ class EnvironmentFacts:
     """Its physical parameters, as it declares them; all have those of noise beside."""
     file: str = ""
     """The name of the task file that it comes from; empty for an installed task."""
+    description: str = ""
+    """Markdown: what the task's class and its module say of it."""
 
     @classmethod
     def of(cls, environment: "Environment") -> Self:
@@ -52,12 +56,20 @@ class EnvironmentFacts:
             reward_is_differentiable=environment.reward_is_differentiable,
             regimes=environment.regimes,
             parameters=tuple(declared(type(environment)).values()),
+            description=description_of(type(environment)),
         )
 
     @property
     def best_return(self) -> float:
         """The one of the normalised scale."""
         return self.max_reward * self.horizon
+
+
+def description_of(task: "type[Environment]") -> str:
+    """Return the docstrings of a task's class and of the module that defines it."""
+    module = sys.modules.get(task.__module__)
+    texts = (task.__doc__, module and module.__doc__)
+    return "\n\n".join(inspect.cleandoc(text) for text in texts if text)
 
 
 class _Told:

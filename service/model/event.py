@@ -10,11 +10,11 @@ class Event:
     """One change.
 
     kind     "sweep" (created, edited, cancelled, paused, resumed, retried), "run" (its status
-             changed), "measurements" (a run has new ones) or "diagnosis" (a run has one, or several
-             are asked for)
+             changed), "measurements" (a run has new ones), "diagnosis" (a run has one, or several
+             are asked for) or "log" (a worker printed something)
     payload  always sweep_id; sweep: change; run: run_id, status, reason, attempt, timestep;
              measurements: run_id, from, to (timesteps, both inclusive); diagnosis: run_id, where
-             it is of one
+             it is of one; log: run_ids, of those that the worker trains
     """
 
     id: int

@@ -95,7 +95,8 @@ class Attempt:
     """One claim of a run and how it ended.
 
     outcome is "running", "succeeded", "failed", "diverged", "cancelled" or "lost" (the worker or
-    its lease); error is a traceback or a sentence, log_tail the last lines the worker printed.
+    its lease); error is a traceback or a sentence, log_tail the last lines that the worker printed
+    while it trained the run and those of its cohort.
     resumed_timestep says where it took the run up, note what there was to say of its checkpoints.
     """
 

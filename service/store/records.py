@@ -12,7 +12,7 @@ from sqlalchemy import Connection, Row, update
 from service.model.claim import Claim
 from service.model.run import RunStatus
 from service.model.run_name import RunName
-from service.store.claiming import checkpoints, endings
+from service.store.claiming import checkpoints, endings, logs
 from service.store.claiming.claims import held_runs
 from service.store.claiming.endings import Ending
 from service.store.column_types import now
@@ -57,6 +57,10 @@ def record_all(connection: Connection, said: Sequence[tuple[Claim, Progress]]) -
     _go_on(connection, heard)
     _measure(connection, heard)
     checkpoints.note(connection, [(each.by_seed, each.progress.checkpoints) for each in heard])
+    logs.note(
+        connection,
+        [(h.held.values(), h.progress.log_tail) for h in heard if h.held and h.progress.log_tail],
+    )
     endings.end(connection, [ending for each in heard for ending in _endings(each)])
     return [_going_on(each) for each in heard]
 

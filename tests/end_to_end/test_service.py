@@ -1,6 +1,7 @@
 """The main job as a user does it: real processes, real training, real deaths."""
 
 import os
+import re
 import signal
 import time
 from collections.abc import Callable, Iterator
@@ -173,6 +174,27 @@ def test_commands(running: tuple[RunningService, Client], tmp_path: Path) -> Non
     unknown = service.command("watch", "0" * 12)
     assert unknown.returncode == 1
     assert "0" * 12 in unknown.stderr
+
+
+def test_the_log_of_a_worker_is_told_while_it_trains(
+    running: tuple[RunningService, Client],
+) -> None:
+    service, client = running
+    sweep_id = client.submit(REQUEST | {"algorithms": ALGORITHMS[:1], "timesteps": 2_000_000}).id
+    told: list[str] = []
+    for attempt in client.follow_log(f"{sweep_id}-0", poll_seconds=0.05):
+        told.append(attempt.log_tail)
+        if (
+            "training, after" in attempt.log_tail
+            and client.run(f"{sweep_id}-0").status == "running"
+        ):
+            client.move(sweep_id, "cancel")
+    first, second, *_ = told[-1].splitlines()
+    assert re.search(r"d3pg: ddpg w1=0 w2=0 .*in Pendulum, seed.* 0.*, 2000000 timesteps$", first)
+    assert re.search(r"d3pg: training, after [\d.]+ s of preparation$", second)
+    client.wait(sweep_id, timeout_seconds=15)
+    shown = service.command("logs", f"{sweep_id}-0")
+    assert shown.stdout.strip() == told[-1].strip()
 
 
 def test_cancel_of_what_is_training(running: tuple[RunningService, Client]) -> None:

@@ -1,14 +1,19 @@
 """`python -m service`: a refusal to start is a sentence and exit code 2, and nothing is started."""
 
+import json
 import os
+import re
 import sqlite3
 import subprocess
 import sys
 from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
+from fastapi import FastAPI
 
+import service.__main__ as main_module
 from service.data_dir import make_private
 from service.listening import listen
 from service.store.store import Store
@@ -124,3 +129,28 @@ def test_a_network_without_tls_is_warned_of(tmp_path: Path) -> None:
     assert "D3PG_TLS_CERTIFICATE" in warning
     proxied = {"D3PG_HOST": "0.0.0.0", "D3PG_PUBLIC_URL": "https://lab.example"}  # noqa: S104
     assert "without TLS" not in started(tmp_path / "data", **proxied).stderr
+
+
+@pytest.mark.parametrize("flags", [[], ["--json"]])
+def test_it_says_where_it_is_found(
+    app: FastAPI,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    flags: list[str],
+) -> None:
+    """But for what it starts and what it takes over of its process."""
+    for name in ("configure_logging", "serve"):
+        monkeypatch.setattr(main_module, name, lambda *_: None)
+    monkeypatch.setattr("signal.signal", lambda *_: None)
+    monkeypatch.setattr(main_module, "wired", lambda _: nullcontext(app))
+    monkeypatch.setattr("sys.argv", ["service", *flags])
+    monkeypatch.setenv("D3PG_DATA_DIR", str(tmp_path))
+    monkeypatch.setenv("D3PG_PORT", "0")
+    assert main_module.main() == 0
+    said = capsys.readouterr().out
+    found = json.loads(said) if flags else {"link": said.strip()}
+    assert re.fullmatch(r"http://127\.0\.0\.1:[1-9]\d+/signin\?code=\S+", found["link"])
+    if flags:
+        assert found["link"].startswith(found["url"])
+        assert found["data_dir"] == str(tmp_path)

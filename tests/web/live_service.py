@@ -29,7 +29,7 @@ from service.model.sweep import Sweep
 from service.settings import Settings
 from service.store.store import Store
 from tests.end_to_end.running_service import free_port
-from workers.messages.progress import Progress
+from workers.messages.progress import Activity, Progress
 from workers.messages.random_return import RandomReturn
 from workers.messages.run_spec import RunSpec, Weights
 
@@ -178,6 +178,10 @@ class LiveService:
         self.store.record(claim, Progress(9600, diverged=(divergence,)))
         others = {run.run_id for run in claim.runs if run.spec.seed != seed}
         self._claims[0] = claim.only(others)
+
+    def print(self, log_tail: str) -> None:
+        """Let the worker of the first claimed cohort print; these are its last lines."""
+        self.store.record(self._claims[0], Progress(0, Activity.COMPILING, log_tail=log_tail))
 
     def fail(self, error: str) -> None:
         """Let the last claimed cohort fail."""

@@ -176,3 +176,61 @@ def test_logarithmic_ticks_are_round_and_apart(signed_in: Page) -> None:
     }"""
     ticks = signed_in.evaluate(script, address(signed_in, "charts/axes"))
     assert ticks == [0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20]
+
+
+def test_markdown_is_read_as_docstrings_write_it(signed_in: Page) -> None:
+    text = (
+        "Pendulum: a *rod* that\nturns, see `step`.\n\n    r = -x**2\n\n    s = 2 * a * b\n\n"
+        "Glossary:\n    x   place\n    y   height\n\n"
+        "- one **item**\n  goes on\n- [two](https://a.example/x)\n\n1. first\n2. second\n\n"
+        "## A heading\n```python\n# no heading\n```\nthe end"
+    )
+    assert call(signed_in, "texts/markdown", "markdown", text) == [
+        {
+            "kind": "paragraph",
+            "spans": [
+                {"kind": "text", "text": "Pendulum: a "},
+                {"kind": "emphasis", "text": "rod"},
+                {"kind": "text", "text": " that turns, see "},
+                {"kind": "code", "text": "step"},
+                {"kind": "text", "text": "."},
+            ],
+        },
+        {"kind": "code", "text": "r = -x**2\n\ns = 2 * a * b"},
+        {"kind": "paragraph", "spans": [{"kind": "text", "text": "Glossary:"}]},
+        {"kind": "code", "text": "x   place\ny   height"},
+        {
+            "kind": "list",
+            "isOrdered": False,
+            "items": [
+                [
+                    {"kind": "text", "text": "one "},
+                    {"kind": "strong", "text": "item"},
+                    {"kind": "text", "text": " goes on"},
+                ],
+                [{"kind": "link", "text": "two", "address": "https://a.example/x"}],
+            ],
+        },
+        {
+            "kind": "list",
+            "isOrdered": True,
+            "items": [[{"kind": "text", "text": name}] for name in ("first", "second")],
+        },
+        {"kind": "heading", "spans": [{"kind": "text", "text": "A heading"}]},
+        {"kind": "code", "text": "# no heading"},
+        {"kind": "paragraph", "spans": [{"kind": "text", "text": "the end"}]},
+    ]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "<img src=x onerror=alert(1)>",
+        "[a](javascript:alert(1)) and [b](data:text/html,x)",
+        "a * b * c, 2**3**4 and names_of_things_",
+        "`not closed, **not closed, *not closed",
+    ],
+)
+def test_what_is_no_markdown_stays_text(signed_in: Page, text: str) -> None:
+    found = call(signed_in, "texts/markdown", "markdown", text)
+    assert found == [{"kind": "paragraph", "spans": [{"kind": "text", "text": text}]}]

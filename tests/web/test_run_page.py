@@ -1,10 +1,12 @@
 """A run's page, and runs and sweeps side by side."""
 
 import re
+from dataclasses import replace
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Locator, Page, expect
 
+from service.model.environment import environment_facts
 from service.model.sweep import Sweep
 from tests.web.live_service import LiveService
 from tests.web.test_accessibility import violations
@@ -68,6 +70,42 @@ def test_a_failed_run_tells_why(signed_in: Page, live: LiveService, sweep: Sweep
     expect(signed_in.get_by_role("button", name="Cancel run")).to_be_hidden()
 
 
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_the_log_grows_while_the_run_trains(
+    signed_in: Page, live: LiveService, sweep: Sweep, scheme: str
+) -> None:
+    signed_in.emulate_media(color_scheme="dark" if scheme == "dark" else "light")
+    signed_in.goto(f"{live.url}/runs/{sweep.id}-0")
+    log = signed_in.get_by_label("Log of the worker")
+    expect(signed_in.locator("#attempts li")).to_contain_text("running on test")
+    expect(log).to_be_hidden()
+    live.print("<b>one</b>\n")
+    expect(log).to_have_text("<b>one</b>\n")
+    lines = "".join(f"line {number}\n" for number in range(200))
+    live.print(lines)
+    expect(log).to_contain_text("line 199")
+    assert log.evaluate("log => log.scrollTop + log.clientHeight >= log.scrollHeight - 1")
+    log.evaluate("log => log.scrollTo(0, 0)")
+    live.print(f"{lines}the last\n")
+    expect(log).to_contain_text("the last")
+    assert log.evaluate("log => log.scrollTop") == 0
+    assert violations(signed_in) == []
+    live.train(9600, 20_000)
+    expect(signed_in.locator("#attempts li")).to_contain_text("succeeded on test")
+    expect(log).to_contain_text("the last")
+
+
+def test_what_the_workers_of_other_runs_print_is_not_asked_for(
+    signed_in: Page, live: LiveService, sweep: Sweep
+) -> None:
+    signed_in.goto(f"{live.url}/runs/{sweep.id}-5")  # of the second cohort
+    expect(signed_in.locator("#attempts li")).to_contain_text("running on test")
+    live.print("of the first cohort\n")
+    live.train(9600, 10_400)  # is told after it
+    expect(signed_in.locator("#percent")).to_have_text("52 %")
+    expect(signed_in.get_by_label("Log of the worker")).to_be_hidden()
+
+
 def test_a_run_is_cancelled_on_its_page(signed_in: Page, live: LiveService, sweep: Sweep) -> None:
     signed_in.goto(f"{live.url}/runs/{sweep.id}-0")
     signed_in.get_by_role("button", name="Cancel run").click()
@@ -121,6 +159,46 @@ def test_the_catalogue_shows_audits_and_settings(signed_in: Page, live: LiveServ
     card.get_by_text("Presets").click()
     expect(card.get_by_role("region", name="Presets of hybrid-ddpg")).to_contain_text("Pendulum")
     assert violations(signed_in) == []
+
+
+def test_the_catalogue_describes_and_draws_every_task(
+    signed_in: Page, live: LiveService, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    facts = replace(environment_facts("Acrobot"), description="<b>Two</b> *links*.\n\n    x = 1")
+    monkeypatch.setattr("service.api.routes.catalogue.known_environments", lambda: [facts])
+    signed_in.goto(f"{live.url}/catalogue")
+    card = signed_in.locator("#pictures article")
+    expect(card).to_have_count(1)
+    expect(card.locator("p").first).to_have_text("<b>Two</b> links.")
+    expect(card.locator("em")).to_have_text("links")
+    card.get_by_text("Definition").click()
+    expect(card.locator("pre")).to_have_text("x = 1")
+    picture = card.get_by_role("img", name="Acrobot at a start")
+    expect(picture).to_be_visible()
+    assert len(colours(picture)) > 1
+    assert violations(signed_in) == []
+
+
+def test_a_task_that_cannot_be_drawn_says_so(
+    signed_in: Page, live: LiveService, complaints: list[str]
+) -> None:
+    live.trouble.failing["/api/v1/environments/Acrobot/picture"] = 503
+    signed_in.goto(f"{live.url}/catalogue")
+    card = signed_in.locator("#pictures article").filter(has_text="Acrobot")
+    expect(card).to_contain_text("The database is on holiday.")
+    expect(signed_in.get_by_role("img", name="Pendulum at a start")).to_be_visible()
+    assert all("503" in complaint for complaint in complaints)
+    complaints.clear()
+
+
+def colours(canvas: Locator) -> set[int]:
+    """The colours of a canvas's pixels, each as one number."""
+    script = """canvas => {
+      const { width, height } = canvas;
+      const { data } = canvas.getContext("2d").getImageData(0, 0, width, height);
+      return [...new Set(new Uint32Array(data.buffer))];
+    }"""
+    return set(canvas.evaluate(script))
 
 
 def test_the_parameters_of_a_runs_task_are_shown_and_its_returns_scaled(

@@ -6,16 +6,15 @@ be done again is decided by the one who keeps the record. Messages leave an acto
 nothing of ours is unpickled here.
 """
 
-import faulthandler
 import itertools
 import os
 import queue
 import socket
-import sys
 import threading
 import time
 import traceback
 from collections.abc import Callable, Collection, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -24,16 +23,20 @@ from ray.util.scheduling_strategies import NodeAffinitySchedulingStrategy
 
 from workers.driver.placement import Node
 from workers.driver.terms import Terms
+from workers.driver.worker_log import WorkerLog
 from workers.messages.log_tail import log_tail
 from workers.messages.report import Busy, Ended, Failed, Lost, News, Ready, Retired, to_line
 from workers.messages.work import Work
 from workers.training.execute import execute
+from workers.training.narrator import Narrator
 
 UNREAD_LIMIT = 2
 """Progresses that may wait for the driver; then the actor's stream waits."""
 IDLE_CHECK_SECONDS = 5.0
 LONGEST_PAUSE_SECONDS = 30.0
 EXIT_ABANDONED = 75
+REPORTS_A_LOG = 2
+"""What was printed is told with every second report, for every run of the cohort has it."""
 WORKER_SECONDS = 3600.0
 """A worker that is older ends with its cohort, and another comes: what may have leaked is freed."""
 
@@ -47,15 +50,10 @@ class Worker:
         """Send all output of the process to the log file, a crash's stack too."""
         self._name = name
         self._checkpoints = checkpoints
-        self._log_path = Path(log_path)
+        self._log = WorkerLog(Path(log_path))
+        self._log.take_output()
         self._cohort = ""
         self._dropped: set[int] = set()
-        self._log_path.parent.mkdir(parents=True, exist_ok=True)
-        log = os.open(self._log_path, os.O_CREAT | os.O_WRONLY | os.O_TRUNC | os.O_APPEND, 0o600)
-        os.dup2(log, 1)
-        os.dup2(log, 2)
-        os.close(log)
-        faulthandler.enable(sys.__stderr__ or 2)
 
     def describe(self) -> tuple[int, str]:
         """Return this process's id and host; also how one sees that it lives."""
@@ -66,7 +64,8 @@ class Worker:
         work = Work.from_json(document)
         cohort = work.cohort
         self._cohort, self._dropped = cohort, set()
-        os.truncate(self._log_path, 0)
+        self._log.begin()
+        narrator = Narrator(work)
         try:
             told = execute(
                 work.runs,
@@ -78,11 +77,12 @@ class Worker:
                 report_seconds=work.report_seconds,
             )
             for progress in told:
-                yield to_line(News(self._name, cohort, progress))
+                narrator.tell(progress)
+                wait = 0.0 if progress.gone else REPORTS_A_LOG * work.report_seconds
+                said = replace(progress, log_tail=self._log.news(wait))
+                yield to_line(News(self._name, cohort, said))
         except Exception:
-            sys.stdout.flush()
-            error, tail = traceback.format_exc(), log_tail(self._log_path)
-            yield to_line(Failed(self._name, cohort, error, tail))
+            yield to_line(Failed(self._name, cohort, traceback.format_exc(), self._log.tail()))
         else:
             yield to_line(Ended(self._name, cohort))
 

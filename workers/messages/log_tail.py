@@ -1,12 +1,22 @@
-"""The end of a log file."""
+"""The end of a log file, as a terminal would show it."""
 
+import re
 from pathlib import Path
 
 TAIL_BYTES = 8192
+ESCAPE_SEQUENCE = re.compile(
+    r"\x1b(\[[0-9:;<=>?]*[ -/]*[@-~]|\][^\x07\x1b]*(\x07|\x1b\\)?|[@-Z\\-_])"
+)
+"""Colours, moves of the cursor and titles of windows (ECMA-48)."""
+OVERWRITTEN = re.compile(r"[^\n]*\r(?!\n)")
+"""What a progress bar wrote before it returned to the beginning of its line."""
 
 
 def log_tail(path: Path) -> str:
-    """Return the last whole lines of a file, at most 8 KiB; nothing where there is no file."""
+    """Return the last lines of a file, at most 8 KiB, whole but for a longer one.
+
+    Nothing where there is no file.
+    """
     try:
         with path.open("rb") as file:
             size = file.seek(0, 2)
@@ -14,4 +24,8 @@ def log_tail(path: Path) -> str:
             text = file.read().decode(errors="replace")
     except OSError:
         return ""
-    return text if size <= TAIL_BYTES else text.partition("\n")[2]
+    shown = OVERWRITTEN.sub("", ESCAPE_SEQUENCE.sub("", text).replace("\r\n", "\n"))
+    if size <= TAIL_BYTES:
+        return shown
+    _, _, whole_lines = shown.partition("\n")
+    return whole_lines or shown

@@ -59,6 +59,7 @@ class Progress:
     bytes_per_run memory that each run may come to fill; 0 until that is known
     fingerprint   what the bits depend on; once, before anything is trained
     random_return of the task, once, where it was asked for
+    log_tail      the last lines that the worker printed, where there are new ones; else empty
     """
 
     timestep: int
@@ -74,6 +75,7 @@ class Progress:
     bytes_per_run: int = 0
     fingerprint: Mapping[str, Any] = field(default_factory=dict)
     random_return: RandomReturn | None = None
+    log_tail: str = ""
 
     @property
     def gone(self) -> frozenset[int]:
@@ -103,4 +105,5 @@ class Progress:
             bytes_per_run=document["bytes_per_run"],
             fingerprint=document["fingerprint"],
             random_return=measured and RandomReturn(**measured),
+            log_tail=document.get("log_tail", ""),
         )

@@ -12,6 +12,7 @@ from algorithms import catalogue
 from algorithms.presets import Preset, preset
 from physics.audit.record import audited
 from physics.noise import PARAMETERS
+from physics.parameter import name_of
 from service.api.access.authority import MAY_SEE_SHARED
 from service.api.context import TheCaller, TheStore
 from service.api.schemas.requests.sweep_request import (
@@ -43,6 +44,7 @@ class AlgorithmAnswer(BaseModel):
 
     name: str
     summary: str
+    description: str = Field(description="Markdown: what the module of its learner says.")
     uses_weights: bool
     needs_reward_gradient: bool
     config_schema: dict[str, Any]
@@ -75,6 +77,7 @@ class EnvironmentAnswer(BaseModel):
     """An environment."""
 
     name: str
+    description: str = Field(description="Markdown: what its class and its module say.")
     version: int
     state_size: int
     action_size: int
@@ -112,6 +115,7 @@ class CatalogueAnswer(BaseModel):
                         {
                             "name": "ddpg",
                             "summary": "Deterministic policy gradients.",
+                            "description": "DDPG: deterministic policy gradients.",
                             "uses_weights": False,
                             "needs_reward_gradient": False,
                             "config_schema": {"type": "object"},
@@ -127,6 +131,7 @@ class CatalogueAnswer(BaseModel):
                     "environments": [
                         {
                             "name": "Pendulum",
+                            "description": "A rod to be swung up.\n\n    r = -theta^2",
                             "version": 1,
                             "state_size": 2,
                             "action_size": 1,
@@ -176,7 +181,7 @@ def get_catalogue(caller: TheCaller, store: TheStore) -> CatalogueAnswer:
     """List algorithms, environments and limits: all that a submission can be made of."""
     environments, algorithms = known_environments(), catalogue.names()
     if caller.sweeps is not None:
-        shown = _names_in(caller.sweeps, store)
+        shown = names_in(caller.sweeps, store)
         environments = [facts for facts in environments if facts.name in shown]
         algorithms = [name for name in algorithms if name in shown]
     return CatalogueAnswer(
@@ -187,12 +192,13 @@ def get_catalogue(caller: TheCaller, store: TheStore) -> CatalogueAnswer:
     )
 
 
-def _names_in(sweeps: Iterable[str], store: Store) -> set[str]:
+def names_in(sweeps: Iterable[str], store: Store) -> set[str]:
     """Return the names of what sweeps compare, and in what."""
     found = [store.find_sweep(each) for each in sweeps]
     requests = [sweep.request for sweep in found if sweep is not None]
     named = [[each["name"] for each in request["algorithms"]] for request in requests]
-    return set(chain(*named, *(request["environments"] for request in requests)))
+    tasks = chain(*(request["environments"] for request in requests))
+    return set(chain(*named, map(name_of, tasks)))
 
 
 def _environment(facts: EnvironmentFacts) -> EnvironmentAnswer:
@@ -215,6 +221,7 @@ def _algorithm(name: str, environments: Sequence[EnvironmentFacts]) -> Algorithm
     return AlgorithmAnswer(
         name=algorithm.name,
         summary=algorithm.summary,
+        description=algorithm.description(),
         uses_weights=algorithm.uses_weights,
         needs_reward_gradient=algorithm.needs_reward_gradient,
         config_schema=TypeAdapter(algorithm.config_class()).json_schema(),

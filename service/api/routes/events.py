@@ -26,8 +26,8 @@ LastEventId = Annotated[str | None, Header(alias="Last-Event-ID", max_length=20)
 STREAM: dict[int | str, dict[str, Any]] = {
     200: {
         "description": (
-            "`sweep`, `run`, `measurements` and `diagnosis` messages: what changed, as JSON with "
-            "the sweep's id; `reload`: load everything, changes after this message follow."
+            "`sweep`, `run`, `measurements`, `diagnosis` and `log` messages: what changed, as JSON "
+            "with the sweep's id; `reload`: load everything, changes after this message follow."
         ),
         "content": {
             "text/event-stream": {

@@ -179,7 +179,10 @@ class AttemptAnswer(BaseModel):
         description="running, succeeded, failed, diverged, cancelled, or lost (its worker was)."
     )
     error: str = Field(description="A traceback or a sentence; empty while all is well.")
-    log_tail: str = Field(description="The last lines that the worker printed.")
+    log_tail: str = Field(
+        description="The last lines, at most 8 KiB, that the worker printed and logged while it "
+        "trained the run; also while it trains. The runs of a cohort share it."
+    )
     started_at: datetime
     ended_at: datetime | None
     fingerprint: Mapping[str, Any] | None

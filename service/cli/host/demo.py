@@ -7,12 +7,12 @@ that signs a browser in, follows the training, and keeps the dashboard up until 
 
 from __future__ import annotations
 
+import json
 from typing import Any
-
-from rich.console import Console
 
 from service.cli.following import follow
 from service.cli.host.own_service import data_dir, own_service
+from service.cli.terminal import console, errors, say
 from service.client import Client, has_ended
 
 DEMO_SWEEP: dict[str, Any] = {
@@ -24,24 +24,28 @@ DEMO_SWEEP: dict[str, Any] = {
 }
 
 
-def run(console: Console, once: bool) -> int:
+def run(*, once: bool, as_json: bool) -> int:
     """Run the demo; the exit code. Ctrl-C, or with `once` the sweep's end, ends the service."""
-    console.print("Starting the service and a local Ray ...")
+    told = errors if as_json else console
+    told.print("Starting the service and a local Ray ...")
     try:
         with own_service() as (client, service):
             sweep_id = demo_sweep(client)
             link = client.sign_in_link(f"/sweeps/{sweep_id}").link
-            console.print(f"\n  The curves, live:  {link}\n", soft_wrap=True)
-            code = follow(client, sweep_id, console)
+            if as_json:
+                say(json.dumps({"sweep": sweep_id, "link": link}))
+            else:
+                told.print(f"\n  The curves, live:  {link}\n", soft_wrap=True)
+            code = follow(client, sweep_id, console, as_json=as_json)
             if once:
                 return code
-            console.print("\nDone. The dashboard stays up until Ctrl-C.")
+            told.print("\nDone. The dashboard stays up until Ctrl-C.")
             return service.wait()
     except KeyboardInterrupt:
         return 0
     finally:
         kept = f"Stopped. Everything measured is kept in {data_dir()}/."
-        console.print(kept, soft_wrap=True)
+        told.print(kept, soft_wrap=True)
 
 
 def demo_sweep(client: Client) -> str:

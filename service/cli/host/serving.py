@@ -15,15 +15,21 @@ import typer
 from pydantic import SecretStr
 from pydantic.fields import FieldInfo
 
+from service.cli.terminal import AsJson
 from service.settings import Settings, variable_of
 
 
-def serve(**given: object) -> None:
-    """Run the service here, until Ctrl-C. Each option is also an environment variable."""
+def serve(as_json: bool = False, **given: object) -> None:
+    """Run the service here, until Ctrl-C. Each option is also an environment variable.
+
+    Prints a link that signs a browser in; with --json, a line with that, its address and its data
+    directory.
+    """
     said = {
         variable_of(name): _text(value) for name, value in given.items() if value not in (None, [])
     }
-    os.execve(sys.executable, [sys.executable, "-m", "service"], os.environ | said)  # noqa: S606
+    command = [sys.executable, "-m", "service", *(["--json"] if as_json else [])]
+    os.execve(sys.executable, command, os.environ | said)  # noqa: S606
 
 
 def is_secret(field: FieldInfo) -> bool:
@@ -52,6 +58,8 @@ def _help(field: FieldInfo) -> str:
     )
 
 
-vars(serve)["__signature__"] = Signature(
-    [_flag(name, field) for name, field in Settings.model_fields.items() if not is_secret(field)]
-)
+_FLAGS = [
+    _flag(name, field) for name, field in Settings.model_fields.items() if not is_secret(field)
+]
+_AS_JSON = Parameter("as_json", Parameter.KEYWORD_ONLY, default=False, annotation=AsJson)
+vars(serve)["__signature__"] = Signature([*_FLAGS, _AS_JSON])

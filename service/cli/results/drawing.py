@@ -63,12 +63,35 @@ def figure(
         "legend": legend,
     }  # fmt: skip
     asked = {option: value for option, value in options.items() if value is not None}
-    data = output.with_suffix(".csv")
     with Client() as client:
-        output.write_bytes(client.figure(sweep_id, form, **asked))
-        data.write_text(client.figure_data(sweep_id, **asked), encoding="utf-8", newline="")
+        picture = client.figure(sweep_id, form, **asked)
+        numbers = client.figure_data(sweep_id, **asked)
+    save_figure(output, picture, numbers, as_json)
+
+
+def save_figure(output: Path, picture: bytes, numbers: str, as_json: bool) -> None:
+    """Write a figure, and its numbers beside it as CSV.
+
+    Raises BadParameter, and writes nothing, where that would replace a CSV file of something else.
+    """
+    data = output.with_suffix(".csv")
+    if data.exists() and not has_columns_of(data, numbers):
+        raise typer.BadParameter(
+            f"the numbers of the figure would replace {data}, which is of something else: name "
+            "another file, or move that one away",
+            param_hint="--output",
+        )
+    output.write_bytes(picture)
+    data.write_text(numbers, encoding="utf-8", newline="")
     files = {"file": str(output), "data": str(data)}
     say(json.dumps(files) if as_json else f"Wrote {output} and {data}")
+
+
+def has_columns_of(file: Path, numbers: str) -> bool:
+    """Whether a CSV file begins as these numbers do: with the names of their columns."""
+    names = numbers.partition("\n")[0].encode()
+    with file.open("rb") as opened:
+        return opened.read(len(names)) == names
 
 
 def form_of(output: Path) -> Form:

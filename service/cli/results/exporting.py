@@ -18,7 +18,7 @@ from service.api.schemas.run_answer import RunAnswer
 from service.api.schemas.score_table_answer import StandingAnswer, inert
 from service.cli.identifiers import Identifier, SweepId
 from service.cli.results.converting import SUFFIXES, Format, convert
-from service.cli.results.drawing import form_of
+from service.cli.results.drawing import form_of, save_figure
 from service.cli.terminal import AsJson, print_json, print_table, say, write_out
 from service.client import Client, TableText
 from service.model.run_name import is_run
@@ -52,7 +52,8 @@ def export(
                 print_json(client.measurements(run.id), indent=None)
             return
         if output is None:
-            write_out(_run_csv(client, identifier) or client.sweep_csv(identifier))
+            text = _run_csv(client, identifier)
+            write_out([text] if text else client.sweep_csv_parts(identifier))
             return
         if text := _run_csv(client, identifier):
             output.write_text(text, encoding="utf-8", newline="")
@@ -122,7 +123,7 @@ def table(
     """Print what every learner reached in every task."""
     with Client() as client:
         if form is not None and not as_json:
-            write_out(client.table_text(sweep_id, form, score=score, normalized=not raw))
+            write_out([client.table_text(sweep_id, form, score=score, normalized=not raw)])
             return
         answer = client.table(sweep_id, score=score, normalized=not raw)
     if as_json:
@@ -173,8 +174,4 @@ def plot(
             if figure is None
             else client.figure_data(sweep_id, figure)
         )
-    data = output.with_suffix(".csv")
-    output.write_bytes(picture)
-    data.write_text(numbers, encoding="utf-8", newline="")
-    files = {"file": str(output), "data": str(data)}
-    say(json.dumps(files) if as_json else f"Wrote {output} and {data}")
+    save_figure(output, picture, numbers, as_json)

@@ -7,11 +7,12 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import Connection, Row, bindparam, update
+from sqlalchemy import Connection, Row, Text, bindparam, func, update
 
 from service.model.claim import Claim
 from service.model.run import RunStatus
 from service.store.claiming.claims import has_ended, held_rows, held_runs, of_attempt, of_run, told
+from service.store.claiming.logs import legible
 from service.store.claiming.retry import RetryPolicy
 from service.store.column_types import now
 from service.store.reading import events
@@ -29,6 +30,7 @@ class Ending:
     outcome   of its attempt
     timestep  how far it has come
     error     what the attempt says; the reason where that is empty
+    log_tail  of its worker; what was noted before stays where that is empty
     """
 
     row: Row[Any]
@@ -60,7 +62,7 @@ def lose(
 ) -> None:
     """Queue what is left of the claim again, after a wait: its worker was lost."""
     [held] = held_runs(connection, [claim])
-    _lose(connection, held.values(), _legible(reason), _legible(log_tail), policy)
+    _lose(connection, held.values(), legible(reason), legible(log_tail), policy)
 
 
 def lose_expired(connection: Connection, policy: RetryPolicy) -> int:
@@ -87,7 +89,7 @@ def ended(
 
 def failed(row: Row[Any], error: str, *, timestep: int | None = None, log_tail: str = "") -> Ending:
     """Return how a running run ends by an error in code: its reason is the error's last line."""
-    error, log_tail = _legible(error), _legible(log_tail)
+    error, log_tail = legible(error), legible(log_tail)
     reason = error.strip().rpartition("\n")[2] or "failed without a message"
     return ended(row, RunStatus.FAILED, reason, timestep=timestep, error=error, log_tail=log_tail)
 
@@ -171,7 +173,9 @@ def _moved(ending: Ending) -> dict[str, Any]:
 
 def _tell(connection: Connection, endings: Sequence[Ending]) -> None:
     """Close the attempts and append the events."""
-    close = update(attempts).where(of_attempt).values(ended_at=now())
+    last_lines = func.nullif(bindparam("last_lines", type_=Text), "")
+    kept = func.coalesce(last_lines, attempts.c.log_tail)
+    close = update(attempts).where(of_attempt).values(ended_at=now(), log_tail=kept)
     connection.execute(
         close,
         [
@@ -180,14 +184,9 @@ def _tell(connection: Connection, endings: Sequence[Ending]) -> None:
                 "of_attempt": ending.row.attempt,
                 "outcome": ending.outcome,
                 "error": ending.error or ending.reason,
-                "log_tail": ending.log_tail,
+                "last_lines": ending.log_tail,
             }
             for ending in endings
         ],
     )
     events.append(connection, [told(e.row, e.status, e.reason, e.timestep) for e in endings])
-
-
-def _legible(text: str) -> str:
-    """Write as escapes what a program may print and no database holds: NUL, half surrogates."""
-    return text.replace("\0", r"\x00").encode(errors="backslashreplace").decode()

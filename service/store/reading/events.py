@@ -57,6 +57,12 @@ def diagnosed(sweep_number: int, sweep_id: str, run_id: str | None = None) -> Ch
     return {"sweep_number": sweep_number, "kind": "diagnosis", "payload": payload}
 
 
+def printed(sweep_number: int, sweep_id: str, runs: Sequence[RunName]) -> Change:
+    """Return the entry for a worker that printed something while it trains these runs."""
+    payload = {"sweep_id": sweep_id, "run_ids": [*map(str, runs)]}
+    return {"sweep_number": sweep_number, "kind": "log", "payload": payload}
+
+
 def append(connection: Connection, entries: Sequence[Change]) -> None:
     """Append entries in their order; straight through the driver, which costs the least."""
     if not entries:

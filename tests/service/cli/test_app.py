@@ -1,8 +1,12 @@
 """The commands, without a service: what they say when they are called wrongly."""
 
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
+from typer.core import TyperGroup
+from typer.main import get_command
 from typer.testing import CliRunner
 
 from service.cli.app import app, main
@@ -70,3 +74,20 @@ def test_every_command_explains_itself() -> None:
 def test_the_shell_can_complete() -> None:
     asked = {"_D3PG_COMPLETE": "complete_bash", "COMP_WORDS": "d3pg re", "COMP_CWORD": "1"}
     assert runner.invoke(app, prog_name="d3pg", env=asked).stdout.split() == ["resume", "retry"]
+
+
+def commands_of(command: Any, name: str = "d3pg") -> Iterator[tuple[str, Any]]:
+    """Every command at and below one, with what is typed for it."""
+    is_group = isinstance(command, TyperGroup)
+    if not is_group or command.invoke_without_command:
+        yield name, command
+    for word, each in command.commands.items() if is_group else ():
+        yield from commands_of(each, f"{name} {word}")
+
+
+COMMANDS = dict(commands_of(get_command(app)))
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_prints_json_on_demand(name: str) -> None:
+    assert "--json" in [flag for option in COMMANDS[name].params for flag in option.opts]

@@ -12,7 +12,7 @@ from service.client import Client
 from service.paper import evaluation, tuning
 from service.queue.question_rounds import look_at_all
 from service.store.store import Store
-from tests.service.cli.conftest import Command
+from tests.service.cli.conftest import Command, as_json
 from tests.service.paper.measured_folder import Runs, write_evidence, write_folder
 from tests.service.training import RANDOM, at_work, random_return, rising, train
 
@@ -54,6 +54,8 @@ def test_an_evaluation_is_taken_up_and_written(
     store.record_random_return(random_return("Pendulum", RANDOM))
     begun = d3pg("paper", "write", *QUICK, "-o", str(tmp_path)).stdout
     assert f"Wrote {tmp_path}/: 0 of 20 runs reached their end." in begun.replace("\n", "")
+    looked = d3pg("paper", "write", *QUICK, "-o", str(tmp_path), "--json")
+    assert as_json(looked)["total"] == 20
     with workers(store):
         ended = d3pg("paper", *QUICK, "-o", str(tmp_path)).stdout
     assert "20 of 20 runs reached their end." in ended
@@ -93,10 +95,14 @@ def test_an_evaluation_is_taken_up_and_written(
     written = (tmp_path / "gains.csv").read_bytes()
     (tmp_path / "gains.csv").unlink()
     (tmp_path / "figure-7.csv").unlink()
-    d3pg("paper", "derive", "-o", str(tmp_path))
+    derived = as_json(d3pg("paper", "derive", "-o", str(tmp_path), "--json"))
+    assert derived["files"][:2] == [f"{tmp_path}/gains.csv", f"{tmp_path}/figure-7.csv"]
     assert (tmp_path / "gains.csv").read_bytes() == written
     assert {row["learner"] for row in rows_of(tmp_path / "figure-7.csv")} >= {"ddpg", "mpc", "sac"}
-    assert "## hybrid-sac minus" in d3pg("paper", "summary", "-o", str(tmp_path)).stdout
+    summary = d3pg("paper", "summary", "-o", str(tmp_path)).stdout
+    assert "## hybrid-sac minus" in summary
+    asked = d3pg("paper", "summary", "-o", str(tmp_path), "--json")
+    assert as_json(asked)["markdown"] == summary.removesuffix("\n")
 
     scores = [
         row

@@ -21,7 +21,8 @@ def scores(*cells: tuple[str, str, list[int], list[float | None]]) -> ScoresAnsw
 def test_runs_of_a_cell_are_rows_over_common_steps(tmp_path: Path) -> None:
     file = tmp_path / "bench.npz"
     write(openrlbenchmark(two_runs()), file)
-    read = np.load(file)
+    with np.load(file) as opened:
+        read = dict(opened)
     cell = "Pendulum(gravity=8)/ddpg noise=0.1"
     assert read[f"{cell}/global_step"].tolist() == [800, 1600, 2400]
     returns = read[f"{cell}/charts/episodic_return"]

@@ -56,6 +56,7 @@ RUNS = (
     "report",
     [
         Ready("worker-1", 4711, "here"),
+        News("worker-1", "a-0/1", Progress(800, log_tail="one\nzwei ü\n")),
         Busy("worker-1", Work("a-0/1", RUNS, measure_random_return=True, report_seconds=5.0)),
         Busy("worker-1", Work("a-0/1", RUNS, file=TaskFile("my_tasks.py", "x = 'ü'\n"))),
         Ended("worker-1", "a-0/1"),

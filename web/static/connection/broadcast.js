@@ -3,12 +3,12 @@ import { address } from "./api.js";
 const FIRST_RETRY_MILLISECONDS = 1000;
 const LONGEST_RETRY_MILLISECONDS = 15000;
 
-/** @typedef {"sweep" | "run" | "measurements" | "diagnosis" | "reload"} Kind */
-/** @typedef {{ sweep_id?: string, run_id?: string }} Payload what a change concerns */
+/** @typedef {"sweep" | "run" | "measurements" | "diagnosis" | "log" | "reload"} Kind */
+/** @typedef {{ sweep_id?: string, run_id?: string, run_ids?: string[] }} Payload what a change concerns */
 /** @typedef {{ kind: Kind | "live" | "lost", payload?: Payload }} News */
 
 /** @type {Kind[]} */
-const KINDS = ["sweep", "run", "measurements", "diagnosis", "reload"];
+const KINDS = ["sweep", "run", "measurements", "diagnosis", "log", "reload"];
 
 /**
  * One event stream for every port that listens. When it breaks the browser opens it again and sends

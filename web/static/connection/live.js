@@ -16,9 +16,11 @@ const SIGNED_OUT = 401;
  * @param {string} sweep the id of the sweep whose changes matter; "" for those of all
  * @param {(kind: Kind, payload?: Payload) => void} refetch asks for what a change of this kind may
  *   have touched, and for everything when the kind is "reload"
+ * @param {(payload: Payload) => void} [printed] a worker printed something, which touches only its
+ *   log
  * @returns {EventStream} the stream
  */
-export function follow(sweep, refetch) {
+export function follow(sweep, refetch, printed = () => {}) {
   let begun = false; // a stream's first message is "reload"
   let missed = false;
   const reload = () => {
@@ -37,7 +39,9 @@ export function follow(sweep, refetch) {
     },
     change: (kind, payload) => {
       if (kind === "reload") reload();
-      else if (sweep === "" || payload.sweep_id === sweep) refetch(kind, payload);
+      else if (sweep !== "" && payload.sweep_id !== sweep) return;
+      else if (kind === "log") printed(payload);
+      else refetch(kind, payload);
     },
   });
   stream.open();

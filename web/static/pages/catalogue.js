@@ -1,12 +1,15 @@
-/** The catalogue: environments with the audit of their derivatives, algorithms with settings. */
-import { get } from "../connection/api.js";
+/** The catalogue: environments with pictures and audits, algorithms with settings. */
+import { get, refusalOf } from "../connection/api.js";
 import { follow } from "../connection/live.js";
 import { Refresh } from "../connection/refresh.js";
 import * as connection from "../connection/state.js";
 import { at, element } from "../parts/element.js";
 import { algorithmColour } from "../parts/palette.js";
+import { prose } from "../parts/prose.js";
 import { swatch } from "../parts/swatch.js";
+import { still } from "../run/stage.js";
 import { count, number } from "../texts/format.js";
+import { markdown } from "../texts/markdown.js";
 import { settings } from "../texts/schema.js";
 import { quantity } from "../texts/task.js";
 
@@ -22,12 +25,63 @@ follow("", (kind) => {
 /** @param {AbortSignal} signal */
 async function load(signal) {
   const catalogue = await get("/catalogue", {}, signal);
+  const cards = catalogue.environments.map(environmentCard);
+  at("pictures").replaceChildren(...cards);
   fillEnvironments(catalogue.environments);
   fillParameters(catalogue);
   at("algorithms").replaceChildren(...catalogue.algorithms.map(algorithmCard));
   at("loading").hidden = true;
   at("body").hidden = false;
   connection.fresh();
+  for (const [i, { name }] of catalogue.environments.entries()) {
+    cards[i].prepend(await pictureOf(name, signal)); // one after the other: they are drawn so
+  }
+}
+
+/**
+ * A task as it draws itself; where it cannot, why not.
+ *
+ * @param {string} environment
+ * @param {AbortSignal} signal
+ * @returns {Promise<HTMLElement>}
+ */
+async function pictureOf(environment, signal) {
+  try {
+    const path = /** @type {const} */ (`/environments/${encodeURIComponent(environment)}/picture`);
+    return still(await get(path, {}, signal), `${environment} at a start`);
+  } catch (error) {
+    return element("p", { class: "muted" }, refusalOf(error, 404, 409, 503).message);
+  }
+}
+
+/**
+ * What an environment is: its first paragraphs at once, the rest on demand.
+ *
+ * @param {Api.Environment} environment
+ * @returns {HTMLElement}
+ */
+function environmentCard({ name, description }) {
+  const blocks = markdown(description);
+  const end = blocks.findIndex(({ kind }) => kind !== "paragraph");
+  const lead = end < 0 ? blocks : blocks.slice(0, end);
+  return element(
+    "article",
+    { class: "card" },
+    element("h3", {}, name),
+    ...prose(lead),
+    proseDetails("Definition", blocks.slice(lead.length)),
+  );
+}
+
+/**
+ * @param {string} title
+ * @param {ReturnType<typeof markdown>} blocks
+ * @returns {HTMLElement | null} nothing where there are none
+ */
+function proseDetails(title, blocks) {
+  if (blocks.length === 0) return null;
+  const text = element("div", { class: "prose" }, ...prose(blocks));
+  return element("details", {}, element("summary", {}, title), text);
 }
 
 /** @param {Api.Environment[]} environments */
@@ -149,10 +203,11 @@ function algorithmCard(algorithm) {
   ];
   return element(
     "article",
-    { class: "algorithm" },
+    { class: "card" },
     element("h3", {}, swatch(identity), algorithm.name),
-    element("p", {}, algorithm.summary),
+    ...prose(markdown(algorithm.summary)),
     element("p", { class: "muted" }, notes.filter(Boolean).join(" ")),
+    proseDetails("Definition", markdown(algorithm.description)),
     tableDetails(algorithm, "Settings", ["Setting", "Kind", "Default"], settingRows(algorithm)),
     tableDetails(algorithm, "Presets", PRESET_HEADS, presetRows(algorithm)),
   );

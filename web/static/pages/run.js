@@ -25,6 +25,7 @@ import { count, percent } from "../texts/format.js";
 import { here } from "../texts/place.js";
 import { activityText, canCancel, canRetry, statusText, tookText } from "../texts/run.js";
 
+/** @import { Kind, Payload } from "../connection/broadcast.js" */
 /** @import { Columns } from "../run/diagnostics.js" */
 
 const id = at("run").dataset.run ?? "";
@@ -42,6 +43,7 @@ const onError = (/** @type {Error} */ error) => connection.failed(error);
 const refreshRun = new Refresh(loadRun, { interval: 1000, onError });
 const viewer = new Viewer(view, () => refreshRun.hurry());
 const refreshCurves = new Refresh(loadCurves, { interval: 1000, onError });
+const refreshAttempts = new Refresh(loadAttempts, { interval: 1000, onError });
 const diagnosis = new DiagnosisSection(`/runs/${id}`, () => refreshDiagnosis.hurry());
 const refreshDiagnosis = new Refresh((signal) => diagnosis.load(signal), {
   interval: 1000,
@@ -57,12 +59,8 @@ let seenEnd = null;
 /** @type {import("../run/context.js").Context | null} */
 let context = null; // of the run as it was opened; again when it ends
 
-const stream = follow(id.split("-")[0], (kind, payload) => {
-  if (payload?.run_id !== undefined && payload.run_id !== id) return;
-  if (kind !== "measurements") refreshDiagnosis.request();
-  if (kind === "diagnosis") return;
-  refreshRun.request();
-  refreshCurves.request();
+const stream = follow(id.split("-")[0], changed, ({ run_ids: ids = [] }) => {
+  if (ids.includes(id)) refreshAttempts.request();
 });
 
 at("seeds").addEventListener("change", (event) => {
@@ -77,6 +75,19 @@ at("download-json", HTMLAnchorElement).href = address(`/runs/${id}/measurements`
 at("download-policy", HTMLAnchorElement).href = address(`/runs/${id}/policy`);
 at("download-csv", HTMLAnchorElement).href = address(`/runs/${id}/measurements`, { format: "csv" });
 
+/**
+ * @param {Kind} kind
+ * @param {Payload} [payload]
+ */
+function changed(kind, payload) {
+  if (payload?.run_id !== undefined && payload.run_id !== id) return;
+  if (kind !== "measurements") refreshDiagnosis.request();
+  if (kind === "diagnosis") return;
+  refreshRun.request();
+  refreshAttempts.request();
+  refreshCurves.request();
+}
+
 /** @param {AbortSignal} signal */
 async function loadRun(signal) {
   try {
@@ -88,10 +99,18 @@ async function loadRun(signal) {
   showRun(run);
   context ??= await contextOf(run, signal);
   draw();
-  const attempts = await get(`/runs/${id}/attempts`, {}, signal);
-  showAttempts(attempts);
-  at("no-attempts").hidden = attempts.length > 0;
   await viewer.load(run, signal);
+}
+
+/** @param {AbortSignal} signal */
+async function loadAttempts(signal) {
+  try {
+    const attempts = await get(`/runs/${id}/attempts`, {}, signal);
+    showAttempts(attempts);
+    at("no-attempts").hidden = attempts.length > 0;
+  } catch (error) {
+    refusalOf(error, 404); // which is told where the run is loaded
+  }
 }
 
 /** @param {AbortSignal} signal */

@@ -1,4 +1,4 @@
-/** How often a run was claimed, and how each attempt ended: the error, the worker's last words. */
+/** How often a run was claimed, how each attempt ended, and what its worker prints. */
 import { element, keyed, setText } from "../parts/element.js";
 import { statusMark, timeElement } from "../parts/status.js";
 import { count, duration, secondsBetween } from "../texts/format.js";
@@ -22,7 +22,7 @@ function entry(first) {
   const took = element("span", { class: "muted" });
   const note = element("p", { class: "muted" });
   const error = block("Error");
-  const log = block("End of the log");
+  const log = block("Log of the worker", { open: first.outcome !== "succeeded", follows: true });
   const node = element(
     "li",
     { value: String(first.attempt) },
@@ -52,14 +52,20 @@ function entry(first) {
 
 /**
  * @param {string} title
+ * @param {{ open?: boolean, follows?: boolean }} [options] follows: its end stays in sight, unless
+ *   the reader has scrolled away from it
  * @returns {{ node: HTMLElement, update: (content: string) => void }}
  */
-function block(title) {
+function block(title, { open = true, follows = false } = {}) {
   const text = element("pre", { "tabindex": "0", "aria-label": title });
-  const node = element("details", { open: true }, element("summary", {}, title), text);
+  const node = element("details", { open }, element("summary", {}, title), text);
+  const toEnd = () => follows && text.scrollTo(0, text.scrollHeight);
+  node.addEventListener("toggle", toEnd);
   const update = (/** @type {string} */ content) => {
+    const isAtEnd = text.scrollTop + text.clientHeight >= text.scrollHeight - 1;
     setText(text, content);
     node.hidden = content === "";
+    if (isAtEnd) toEnd();
   };
   return { node, update };
 }

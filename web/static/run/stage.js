@@ -1,4 +1,5 @@
 /** A task drawn on a canvas from its film: metres, y up, shapes in the order of painting. */
+import { element } from "../parts/element.js";
 import { faint, themeColour } from "../parts/palette.js";
 
 /**
@@ -19,6 +20,8 @@ import { faint, themeColour } from "../parts/palette.js";
  * @property {number[][]} arrows       impulses of this one
  */
 
+/** @type {Extras} */
+const NOTHING_BESIDE = { trail: [], ghosts: [], faintArrows: [], arrows: [] };
 const LONGEST_ARROW = 0.6; // of the view's height
 const HEAD_PIXELS = 8;
 const GHOST_OPACITY = 0.18;
@@ -76,6 +79,24 @@ export class Stage {
       else pen.polygon(points, colour);
     }
   }
+}
+
+/**
+ * A picture of a single state, drawn again in another theme or width.
+ *
+ * @param {Omit<Film, "contacts">} picture
+ * @param {string} label
+ * @returns {HTMLCanvasElement}
+ */
+export function still(picture, label) {
+  const canvas = element("canvas", { "class": "stage", "role": "img", "aria-label": label });
+  const stage = new Stage(canvas, { ...picture, contacts: [] });
+  const draw = () => {
+    if (canvas.clientWidth > 0) stage.draw(0, NOTHING_BESIDE);
+  };
+  new ResizeObserver(draw).observe(canvas);
+  document.addEventListener("themechange", draw);
+  return canvas;
 }
 
 /** Draws in metres. */

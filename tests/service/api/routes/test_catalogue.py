@@ -57,3 +57,16 @@ def test_what_is_listed_can_be_submitted(idle_client: TestClient) -> None:
         for cell in cells:
             preset = algorithm["presets"][cell["environment"]]
             assert preset == {key: cell[key] for key in ("weights", "timesteps", "config")}
+
+
+def test_everything_is_described(idle_client: TestClient) -> None:
+    answer = idle_client.get("/api/v1/catalogue").json()
+    said = {each["name"]: each["description"] for each in answer["environments"]}
+    assert said["Pendulum"].startswith(
+        "The pendulum, hanging or turning at the start.\n\nPendulum: "
+    )
+    assert "\n    omega' = " in said["Pendulum"].replace("  = ", " = ")
+    assert all("\n\n" in said[name] for name in OWN)
+    said = {each["name"]: each["description"] for each in answer["algorithms"]}
+    assert said["ddpg"].startswith("DDPG: deep deterministic policy gradients")
+    assert all(said.values())

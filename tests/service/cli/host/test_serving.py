@@ -23,8 +23,8 @@ def environment(monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
     given: dict[str, str] = {}
 
     def start(program: str, arguments: Sequence[str], variables: Mapping[str, str]) -> None:
-        assert list(arguments) == [program, "-m", "service"]
-        given.update(variables)
+        assert list(arguments[:3]) == [program, "-m", "service"]
+        given.update(variables, arguments=" ".join(arguments[3:]))
         raise Started
 
     monkeypatch.setattr(os, "execve", start)
@@ -51,6 +51,12 @@ def test_a_secret_is_no_flag() -> None:
     for name in secrets:
         result = runner.invoke(app, ["serve", f"--{name.replace('_', '-')}=something-secret"])
         assert result.exit_code == 2
+
+
+def test_json_is_asked_of_the_service(environment: dict[str, str]) -> None:
+    for flags in ([], ["--json"]):
+        assert isinstance(runner.invoke(app, ["serve", *flags]).exception, Started)
+        assert environment.pop("arguments") == " ".join(flags)
 
 
 def test_a_task_file_may_be_given_again(environment: dict[str, str]) -> None:

@@ -60,15 +60,17 @@ def test_a_sweep_is_written_for_other_tools(
     cell = "Pendulum/ddpg/charts/episodic_return"
     run = next(service.runs(trained, algorithm="ddpg", environment="Pendulum"))
     columns = service.measurements(run.id).columns
-    assert np.load(file)[cell][run.seed].tolist() == columns["return_mean"]
+    with np.load(file) as read:
+        assert read[cell][run.seed].tolist() == columns["return_mean"]
     scores = tmp_path / "scores.npz"
     d3pg("export", trained, "--format", "rliable", "-o", str(scores), "--json")
-    read = np.load(scores)
-    assert read["scores/ddpg"].shape == (3, 2)
+    with np.load(scores) as read:
+        reached, tasks = read["scores/ddpg"], read["tasks"].tolist()
+    assert reached.shape == (3, 2)
     final = {run.seed: run.score for run in service.runs(trained, algorithm="ddpg")
              if run.environment == "Pendulum"}  # fmt: skip
-    column = read["tasks"].tolist().index("Pendulum")
-    assert read["scores/ddpg"][:, column].tolist() == pytest.approx([final[s] for s in range(3)])
+    column = reached[:, tasks.index("Pendulum")]
+    assert column.tolist() == pytest.approx([final[s] for s in range(3)])
 
 
 def test_a_form_that_cannot_be_written_says_why(
@@ -118,6 +120,32 @@ def test_a_figure_is_saved(
         d3pg("plot", trained, "-o", str(file)).stdout == f"Wrote {file} and {tmp_path}/figure.csv\n"
     )
     assert file.read_bytes().startswith(start)
+
+
+@pytest.mark.parametrize("command", ["plot", "figure"])
+def test_a_figure_s_numbers_replace_no_other_file(
+    d3pg: Command, trained: str, tmp_path: Path, command: str
+) -> None:
+    file, data = tmp_path / "x.png", tmp_path / "x.csv"
+    for other in ("mine,not,theirs\n1,2,3\n", "", "metric"):
+        data.write_text(other, encoding="utf-8")
+        refused = d3pg(command, trained, "-o", str(file), code=2).stderr
+        assert "of something else" in " ".join(refused.replace("│", " ").split())
+        assert data.read_text(encoding="utf-8") == other
+        assert not file.exists()
+    data.unlink()
+    for _ in range(2):  # its own are replaced
+        d3pg(command, trained, "-o", str(file))
+    assert data.read_text(encoding="utf-8").startswith("metric,environment,entry,")
+
+
+def test_a_sweep_s_csv_is_passed_on_as_it_arrives(
+    d3pg: Command, service: Client, trained: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = service.sweep_csv(trained)
+    assert "".join(service.sweep_csv_parts(trained)) == whole
+    monkeypatch.setattr(Client, "sweep_csv", None)
+    assert d3pg("export", trained).stdout_bytes.decode() == whole
 
 
 def test_a_figure_of_the_paper_is_saved(d3pg: Command, trained: str, tmp_path: Path) -> None:

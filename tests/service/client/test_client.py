@@ -23,6 +23,7 @@ from tests.service.certificate import self_signed
 from tests.service.conftest import SWEEP, TOKEN, changed
 from tests.service.served import served
 from tests.service.training import RANDOM, random_return, rising, train
+from workers.messages.progress import Progress
 
 
 @pytest.fixture
@@ -183,6 +184,28 @@ def test_waiting_ends_with_the_sweep_or_the_timeout(service: Client, trained: st
     waiting = service.submit(SWEEP)
     with pytest.raises(TimeoutError, match=waiting.id):
         service.wait(waiting.id, timeout_seconds=0, poll_seconds=0)
+
+
+def test_a_log_is_followed_while_the_service_is_away(
+    service: Client, store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run_id = f"{service.submit(SWEEP).id}-0"
+    claim = store.claim_cohort("worker", 60.0)
+    assert claim is not None
+    seeds = tuple(spec.seed for spec in claim.specs)
+    store.record(claim, Progress(4000, log_tail="all of it\n", finished=seeds))
+    request, asked = service._http.request, []
+
+    def often_away(*arguments: object, **options: object) -> httpx2.Response:
+        asked.append(arguments)
+        if len(asked) in {1, 3}:
+            raise httpx2.ConnectError("refused")
+        return request(*arguments, **options)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(service._http, "request", often_away)
+    [attempt] = service.follow_log(run_id, poll_seconds=0)
+    assert (attempt.outcome, attempt.log_tail) == ("succeeded", "all of it\n")
+    assert len(asked) == 5
 
 
 def test_a_refusal_names_every_fault_once(service: Client) -> None:
