@@ -261,7 +261,6 @@ class Store:
     measurements = _reads(measured.of_run)
     sweep_measurements = _reads(measured.of_runs)
     curve_points = _reads(curves.curves)
-    count_points = _reads(curves.count)
     return_outlines = _reads(measured.outlines)
     diagnostic_names = _reads(measured.diagnostic_names)
     record_random_return = _writes(zeros.put)
