@@ -14,6 +14,7 @@
 #                    D3PG_CONTAINERS=folder keeps the images for the next time
 #   make docs        build the documentation and serve it at http://127.0.0.1:8001       10 s
 #   make bench       speed beside peers (installs them)                                  an hour
+#   make figures     the figures to hold, as a table: goal, measured, held               two hours
 #   make paper       the paper's evaluation; goes on where it was stopped                12 core-hours
 #   make format      format the code and mend what the linter can                        1 s
 #   make clean       remove .venv and all caches but those in the home folder            1 s
@@ -32,7 +33,7 @@ NODE   := NODE_OPTIONS=--use-system-ca PATH="$(CURDIR)/web/node_modules/.bin:$(C
 SUDO   := $(shell test "$$(id -u)" = 0 || echo sudo)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo paper test test-slow check postgresql fast cluster browser containers docs bench format clean
+.PHONY: help demo paper test test-slow check postgresql fast cluster browser containers docs bench figures format clean
 
 help:
 	@sed -n 's/^#   \(make .*\)/\1/p; s/^#$$//p' Makefile
@@ -125,6 +126,9 @@ containers: $(VENV)/installed-dev
 docs: export NO_MKDOCS_2_WARNING = 1
 docs: $(VENV)/installed-dev
 	@$(BIN)/python -m mkdocs serve
+
+figures: $(VENV)/installed-dev postgresql
+	@$(BIN)/python -m benchmarks.held
 
 bench: $(VENV)/installed-peers postgresql
 	@for name in $$(basename -s .py -a benchmarks/[a-z]*.py); do \

@@ -8,15 +8,20 @@ What counts is processor time (see simulated/processor_time.py): the service's t
 PostgreSQL's sessions. It is not seconds of this machine, which may have other work; those are
 printed as the most that it can be. A worker's time is lost while it waits for a cohort or for its
 news to be taken in. The service is saturated where a second's reports cost a second.
+
+    python -m benchmarks.many_workers [sqlite] [postgresql] [--workers 10 100 1000]
 """
 
+import argparse
 import tempfile
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from benchmarks.simulated.pool import POINTS, PretendedPool
 from benchmarks.simulated.processor_time import ProcessorTime
+from benchmarks.store import DATABASES
 from service.queue.dispatch import Dispatcher
 from service.queue.dispatch_state import DispatchTimes
 from service.store.store import Store
@@ -94,18 +99,25 @@ class Bench:
 
 
 def main() -> None:
-    """Print every figure of both databases."""
-    with tempfile.TemporaryDirectory() as folder:
-        measure_all("SQLite", f"sqlite:///{Path(folder) / 'd3pg.sqlite'}", None)
-    with running_postgresql("fsync=on") as server:
-        measure_all("PostgreSQL", server.create("d3pg"), server.process_id)
+    """Print every figure of the databases that are asked for."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("databases", nargs="*", default=DATABASES, metavar="|".join(DATABASES))
+    parser.add_argument("--workers", type=int, nargs="+", default=WORKERS)
+    asked = parser.parse_args()
+    if "sqlite" in asked.databases:
+        with tempfile.TemporaryDirectory() as folder:
+            url = f"sqlite:///{Path(folder) / 'd3pg.sqlite'}"
+            measure_all("SQLite", url, None, asked.workers)
+    if "postgresql" in asked.databases:
+        with running_postgresql("fsync=on") as server:
+            measure_all("PostgreSQL", server.create("d3pg"), server.process_id, asked.workers)
 
 
-def measure_all(name: str, url: str, postgres: int | None) -> None:
+def measure_all(name: str, url: str, postgres: int | None, sizes: Sequence[int]) -> None:
     """Measure one database, empty at first, with ever more workers."""
     store = Store.open(url)
     submit(store)
-    for workers in WORKERS:
+    for workers in sizes:
         measure(f"{name}, {workers:,} workers", Bench(store, postgres, workers), workers)
     store.close()
 

@@ -4,8 +4,11 @@ Everything is durable before it counts (`synchronous=FULL`, `fsync=on`). Taking 
 compared with the least that any store would have to do: the driver's own `executemany` of the same
 rows into a bare table, committed as often, in the same database and the same run. The best of
 several rounds counts.
+
+    python -m benchmarks.store [sqlite] [postgresql]
 """
 
+import argparse
 import statistics
 import tempfile
 import time
@@ -22,6 +25,7 @@ from tests.service.store.postgresql import running_postgresql
 from workers.messages.progress import Progress
 from workers.messages.run_spec import COHORT_LIMIT, RunSpec, Weights
 
+DATABASES = ("sqlite", "postgresql")
 LEASE_SECONDS = 600.0
 ROUNDS = 5
 MESSAGES = 16  # of a cohort, each with POINTS measurements of every seed
@@ -31,11 +35,16 @@ DIAGNOSTICS = ("critic_loss", "actor_loss", "action_gradient_cosine", "state_gra
 
 
 def main() -> None:
-    """Print every figure of both databases."""
-    with tempfile.TemporaryDirectory() as folder:
-        measure("SQLite", f"sqlite:///{Path(folder) / 'd3pg.sqlite'}")
-    with running_postgresql("fsync=on") as server:
-        measure("PostgreSQL", server.create("d3pg"))
+    """Print every figure of the databases that are asked for."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("databases", nargs="*", default=DATABASES, metavar="|".join(DATABASES))
+    asked = parser.parse_args().databases
+    if "sqlite" in asked:
+        with tempfile.TemporaryDirectory() as folder:
+            measure("SQLite", f"sqlite:///{Path(folder) / 'd3pg.sqlite'}")
+    if "postgresql" in asked:
+        with running_postgresql("fsync=on") as server:
+            measure("PostgreSQL", server.create("d3pg"))
 
 
 def measure(name: str, url: str) -> None:

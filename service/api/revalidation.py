@@ -15,16 +15,16 @@ These are the answers that are made of all that a sweep has measured, so they ha
 
 import hashlib
 import secrets
-from collections.abc import Callable, Coroutine
+from collections.abc import AsyncIterator, Callable, Coroutine
 from typing import Any
 
-from fastapi import Request, Response
+from fastapi import Depends, Request, Response
 from fastapi.routing import APIRoute
-from fastapi.security import SecurityScopes
 from starlette.concurrency import run_in_threadpool
 
-from service.api.access.authority import MAY_READ, authorise
-from service.api.context import MAX_COMPARED, may_be_id
+from algorithms.measurement import MEASURE_EVERY
+from service.api.context import MAX_COMPARED, TheCompared, may_be_id
+from service.api.load.read_budget import ReadBudget
 from service.model.compared import SEPARATOR
 from service.store.store import Store
 
@@ -51,32 +51,48 @@ class TaggedRoute(APIRoute):
         return tagged
 
 
+class UnchangedError(Exception):
+    """The client has the present answer."""
+
+
 class RevalidatedRoute(APIRoute):
-    """A route under `/sweeps/{sweep_id}` whose answers depend on that sweep, or those, alone."""
+    """A route under `/sweeps/{sweep_id}` whose answers depend on that sweep, or those, alone.
+
+    Its dependencies are who may call, then `REVALIDATED`: 304 is an answer too.
+    """
 
     def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
-        """Answer 304 where the client has the present answer, else tag the new one.
-
-        Whether the caller may read it is asked first: 304 is an answer too.
-        """
+        """Answer 304 where the client has the present answer, else tag the new one."""
         answer = super().get_route_handler()
 
         async def revalidate(request: Request) -> Response:
-            await authorise(request, SecurityScopes(list(MAY_READ.scopes)))
-            tag = await run_in_threadpool(entity_tag, request)
-            if tag is None:
-                return await answer(request)
-            headers = {"ETag": tag}
-            if tag in known_tags(request.headers.get("if-none-match", "")):
-                return Response(status_code=304, headers=headers)
-            points = await run_in_threadpool(points_of, request)
-            async with request.app.state.read_budget.of(points):
+            try:
                 response = await answer(request)
+            except UnchangedError:
+                return Response(status_code=304, headers={"ETag": request.state.entity_tag})
             if response.status_code == 200:
-                response.headers.update(headers)
+                response.headers["ETag"] = request.state.entity_tag
             return response
 
         return revalidate
+
+
+async def unless_unchanged(request: Request) -> None:
+    """Note the tag of the answer to be made. Raises UnchangedError where the client has it."""
+    tag = await run_in_threadpool(entity_tag, request)
+    request.state.entity_tag = tag
+    if tag in known_tags(request.headers.get("if-none-match", "")):
+        raise UnchangedError
+
+
+async def within_budget(request: Request, sweep: TheCompared) -> AsyncIterator[None]:
+    """Wait for the turn of an answer that is made of all that the sweeps have measured."""
+    budget: ReadBudget = request.app.state.read_budget
+    async with budget.of(sweep.timesteps // MEASURE_EVERY):
+        yield
+
+
+REVALIDATED = (Depends(unless_unchanged), Depends(within_budget, scope="function"))
 
 
 def entity_tag(request: Request) -> str | None:
@@ -92,12 +108,6 @@ def entity_tag(request: Request) -> str | None:
 def weak_tag(content: bytes | memoryview) -> str:
     """Return the weak tag of what an answer says, or follows from."""
     return f'W/"{hashlib.sha256(content).hexdigest()[:32]}"'
-
-
-def points_of(request: Request) -> int:
-    """Return about how many measurements the sweeps have."""
-    store: Store = request.app.state.store
-    return sum(store.count_points(each) for each in ids_of(request))
 
 
 def ids_of(request: Request) -> list[str]:

@@ -23,6 +23,7 @@ class Compared:
         id: their ids, joined.
         name: their names, as a title.
         sweeps: themselves, at least one.
+        timesteps: that their runs have trained, together.
         entries: of all of them; `RunCurve.entry` of `joined` is a place among these.
     """
 
@@ -30,6 +31,7 @@ class Compared:
         """Compare sweeps; there is at least one, and each is in it once."""
         self.sweeps = tuple(sweeps)
         self.id = SEPARATOR.join(sweep.id for sweep in sweeps)
+        self.timesteps = sum(sweep.timesteps for sweep in sweeps)
         self.name = " and ".join(sweep.name for sweep in sweeps)
         self._own = [Entries(sweep.request) for sweep in sweeps]
         self.entries = self._own[0] if len(sweeps) == 1 else Entries.of_all(self._labelled())

@@ -60,6 +60,7 @@ class Sweep:
     webhook_tries         that have failed since it ended
     webhook_problem       of the last one that failed
     archived     out of the way: lists leave it out unless they are asked for it
+    timesteps    that its runs have trained, together
     progress     share of the asked timesteps that is done; a run that reached its end counts whole,
                  any other as far as it got
     eta_seconds  time left at the pace since the first claim; None while there is no pace or a pause
@@ -76,6 +77,7 @@ class Sweep:
     started_at: float | None
     status: SweepStatus
     runs: RunCounts
+    timesteps: int
     progress: float
     eta_seconds: float | None
     is_asking: bool

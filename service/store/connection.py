@@ -21,6 +21,7 @@ from sqlalchemy import URL, Connection, Engine, create_engine, event, make_url
 from sqlalchemy.pool import ConnectionPoolEntry
 
 from service.store.refusal import DatabaseInUseError, MissingDriverError, UnsafeSQLiteError
+from service.store.upkeep.unusable import refuse_unfit
 
 SAFE_SQLITE = (3, 51, 3)
 SAFE_BACKPORTS = {(3, 44): 6, (3, 50): 7}  # minor version -> first safe patch
@@ -39,7 +40,8 @@ def connect(url: str | URL, role: Role) -> Engine:
     A SQLite database is its user's alone, whoever made it.
 
     Raises UnsafeSQLiteError for a SQLite that can corrupt the database, MissingDriverError where
-    psycopg is not installed; the writer's, as it connects, DatabaseInUseError.
+    psycopg is not installed; as they connect, both UnfitServerError and the writer's
+    DatabaseInUseError.
     """
     address = make_url(url)
     size = {"pool_size": 1 if role == "writer" else READERS, "max_overflow": 0}
@@ -113,6 +115,7 @@ def _connect_postgresql(address: URL, role: Role, size: dict[str, int]) -> Engin
         connect_args={"options": options[role], "connect_timeout": CONNECT_SECONDS},
         **size,
     )
+    event.listen(engine, "connect", refuse_unfit, insert=True)  # before SQLAlchemy asks anything
     if role == "writer":
         event.listen(engine, "connect", _lock)
     return engine

@@ -45,3 +45,7 @@ class NewerTablesError(RefusalError):
 
 class UnusableDatabaseError(RefusalError):
     """The database cannot be opened: it is damaged, no database, or not reached."""
+
+
+class UnfitServerError(RefusalError):
+    """The database's server is too old, or the database's encoding cannot hold every text."""

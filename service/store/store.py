@@ -20,7 +20,7 @@ from functools import wraps
 from typing import Concatenate, ParamSpec, Self, TypeVar
 
 from sqlalchemy import URL, Connection, Engine, make_url, text
-from sqlalchemy.exc import DatabaseError
+from sqlalchemy.exc import DBAPIError
 
 from service.metrics import MEASUREMENTS
 from service.model.claim import CellLimit, Claim, no_limit
@@ -57,6 +57,7 @@ from service.store.reading import measurements as measured
 from service.store.reading import random_returns as zeros
 from service.store.refusal import UnusableDatabaseError
 from service.store.upkeep.migration import upgrade
+from service.store.upkeep.unusable import unusable
 from service.store.writer import Writer
 from workers.messages.progress import Progress
 from workers.messages.run_spec import COHORT_LIMIT
@@ -89,18 +90,6 @@ def _writes(
     return method
 
 
-def unusable(url: URL, error: DatabaseError) -> str:
-    """Say which database cannot be opened, why, and what to do."""
-    reason = str(error.orig).strip().splitlines()[0]
-    if url.get_backend_name() == "sqlite":
-        return (
-            f"{url.database} cannot be opened as a database: {reason}. Put a backup there "
-            "(`d3pg db backup` makes them), or move it away to begin with an empty one."
-        )
-    shown = url.render_as_string(hide_password=True)
-    return f"{shown} cannot be opened: {reason}. Is it up, and D3PG_DATABASE_URL right?"
-
-
 class Store:
     """One open database. `Store.open` makes one; `close` commits what is queued and ends it."""
 
@@ -117,7 +106,7 @@ class Store:
         writer = connect(url, "writer")
         try:
             upgrade(writer)
-        except DatabaseError as error:
+        except DBAPIError as error:
             writer.dispose()
             raise UnusableDatabaseError(unusable(make_url(url), error)) from error
         return cls(writer, connect(url, "reader"), retry or RetryPolicy())
@@ -272,7 +261,6 @@ class Store:
     measurements = _reads(measured.of_run)
     sweep_measurements = _reads(measured.of_runs)
     curve_points = _reads(curves.curves)
-    count_points = _reads(curves.count)
     return_outlines = _reads(measured.outlines)
     diagnostic_names = _reads(measured.diagnostic_names)
     record_random_return = _writes(zeros.put)

@@ -1,5 +1,7 @@
 """The containers of `docker/compose.yml`, as far as they can be judged without an engine."""
 
+import re
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -77,11 +79,34 @@ def test_the_variables_named_are_settings_and_make_a_valid_one(
     }
     assert own.keys() <= SETTINGS
     for name, value in own.items():
-        default = value.split(":-")[1].rstrip("}") if value.startswith("${") else value
-        monkeypatch.setenv(name, default)
+        monkeypatch.setenv(name, interpolated(value, {}))
     settings = Settings()
+    assert settings.public.url == "http://localhost:8000"
     assert settings.ray_address == "head:6379"
     assert settings.worker_memory == 2_000_000_000
+
+
+@pytest.mark.parametrize(
+    ("said", "url"),
+    [
+        ({"PORT": "9000"}, "http://localhost:9000"),
+        ({"PUBLIC_URL": "https://lab.example/d3pg"}, "https://lab.example/d3pg"),
+        ({"PUBLIC_URL": ""}, "http://localhost:8000"),
+    ],
+)
+def test_the_service_knows_where_people_find_it(said: dict[str, str], url: str) -> None:
+    value = CONTAINERS["service"]["environment"]["D3PG_PUBLIC_URL"]
+    settings = Settings(public_url=interpolated(value, said))
+    assert settings.public.url == url
+    assert settings.public.host in settings.allowed_hosts
+
+
+def interpolated(value: str, said: Mapping[str, str]) -> str:
+    """What Compose makes of a value with `${NAME:-default}` in it, from the innermost outwards."""
+    while found := re.search(r"\$\{(\w+):-([^${}]*)\}", value):
+        name, default = found.groups()
+        value = f"{value[: found.start()]}{said.get(name) or default}{value[found.end() :]}"
+    return value
 
 
 def test_containers_share_what_they_have_to_and_nothing_else() -> None:

@@ -22,6 +22,7 @@ from service.client import Client, ServiceError
 from service.refusal import RefusalError
 from service.settings import Settings
 from service.store.connection import check_sqlite, connect
+from service.store.upkeep.unusable import GENERAL, advice, reason_of
 from workers.checkpoints.place import Place, folder_in
 
 Verdict = Literal["ok", "warning", "failed"]
@@ -166,11 +167,9 @@ def check_database(url: str | URL) -> Finding:
     except RefusalError as error:
         return Finding("database", "failed", shown, str(error))
     except SQLAlchemyError as error:
-        reason = str(getattr(error, "orig", error)).strip().splitlines()[0]
-        advice = (
-            "Is it up, and D3PG_DATABASE_URL right? A database of ours is made by `d3pg serve`."
-        )
-        return Finding("database", "failed", f"{shown}: {reason}", advice)
+        general = f"{GENERAL} A database of ours is made by `d3pg serve`."
+        known = advice(address, error)
+        return Finding("database", "failed", f"{shown}: {reason_of(error)}", known or general)
     return Finding("database", "ok", f"{shown}, {runs} runs")
 
 

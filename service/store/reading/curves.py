@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 from sqlalchemy import Column, Connection, Row, Select, func, or_, select
 
-from algorithms.measurement import MEASURE_EVERY
 from service.model.run import RunStatus
 from service.model.run_curve import RETURNS, RunCurve
 from service.model.run_name import RunName
@@ -65,13 +64,6 @@ def curves(
             grid = _shared(abscissa[start:end], found)
             found.append(_curve(row, sweep_id, grid, values[start:end]))
     return found
-
-
-def count(connection: Connection, sweep_id: str) -> int:
-    """Return about how many points the runs of a sweep have; 0 where there is no such sweep."""
-    trained = select(func.sum(runs.c.timestep)).join(sweeps, sweeps.c.number == runs.c.sweep_number)
-    timesteps = connection.scalar(trained.where(sweeps.c.id == sweep_id))
-    return int(timesteps or 0) // MEASURE_EVERY
 
 
 def _points_of(listed: Sequence[Row[Any]], x: Column[Any], *, only_ends: bool) -> Select[Any]:

@@ -233,6 +233,7 @@ def _sweep(row: Row[Any], tags: Mapping[int, Sequence[str]]) -> Sweep:
         is_asking=is_asking,
         search=search,
         runs=counts,
+        timesteps=int(row.done),
         progress=float(row.done) / float(row.asked + to_come),
         eta_seconds=eta,
         tags=tuple(tags.get(row.number, ())),

@@ -1,9 +1,13 @@
 """ETags: 304 while nothing of the sweep changed, a new answer as soon as something did."""
 
+from collections import Counter
+from typing import Any
+
 import pytest
 from starlette.testclient import TestClient
 
 from service.api.revalidation import known_tags
+from service.model.caller import Caller
 from service.store.store import Store
 from tests.service.conftest import changed
 from tests.service.training import random_return, train
@@ -26,6 +30,32 @@ def test_what_did_not_change_is_not_sent_again(client: TestClient, store: Store,
     again = client.get(url, headers={"If-None-Match": f'"other", {first.headers["etag"]}'})
     assert (again.status_code, again.content) == (304, b"")
     assert again.headers["etag"] == first.headers["etag"]
+
+
+def test_who_may_read_and_how_large_a_sweep_is_are_asked_once(
+    client: TestClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    link = submitted(client)
+    tag = client.get(f"{link}/curves").headers["etag"]
+    asked: Counter[str] = Counter()
+
+    def count(kind: type, name: str) -> None:
+        method = getattr(kind, name)
+
+        def counted(*given: Any) -> Any:
+            asked[name] += 1
+            return method(*given)
+
+        monkeypatch.setattr(kind, name, counted)
+
+    count(Caller, "sees")
+    count(Store, "sweep_version")
+    count(Store, "find_sweep")
+    assert client.get(f"{link}/curves").status_code == 200
+    assert asked == {"sees": 1, "sweep_version": 1, "find_sweep": 1}
+    asked.clear()
+    assert client.get(f"{link}/curves", headers={"If-None-Match": tag}).status_code == 304
+    assert asked == {"sees": 1, "sweep_version": 1}
 
 
 def test_every_change_of_the_sweep_is_seen(client: TestClient, store: Store) -> None:

@@ -8,7 +8,7 @@ import subprocess
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import psycopg
@@ -89,9 +89,21 @@ class PostgreSQL:
         self.databases.add(name)
         return self.url(name)
 
-    def url(self, database: str) -> str:
+    def ask_passwords_of(self, database: str) -> None:
+        """Let nobody into a database without a password, from now on."""
+        rules = self._folder / "data" / "pg_hba.conf"
+        rules.write_text(f"local {database} all scram-sha-256\n{rules.read_text()}")
+        self.execute("SELECT pg_reload_conf()")
+        deadline = time.monotonic() + START_SECONDS
+        with suppress(psycopg.OperationalError):
+            while True:
+                psycopg.connect(self.conninfo(database)).close()
+                assert time.monotonic() < deadline, "the rules were not read"
+                time.sleep(0.02)
+
+    def url(self, database: str, user: str = "d3pg") -> str:
         """The address of a database, for SQLAlchemy."""
-        return f"postgresql+psycopg://d3pg@/{database}?host={self._folder}"
+        return f"postgresql+psycopg://{user}@/{database}?host={self._folder}"
 
     def conninfo(self, database: str) -> str:
         """The address of a database, for psycopg."""

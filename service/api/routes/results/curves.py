@@ -19,7 +19,7 @@ from service.api.access.authority import MAY_READ
 from service.api.context import TheCompared, TheStore
 from service.api.refusals.nearest import unknown_name
 from service.api.refusals.problems import Fault, ImpossibleMove, InvalidRequest
-from service.api.revalidation import RevalidatedRoute
+from service.api.revalidation import REVALIDATED, RevalidatedRoute
 from service.api.schemas.curves_answer import CurvesAnswer, curves_json
 from service.api.schemas.requests.sweep_request import MAX_RUNS
 from service.api.schemas.requests.texts import Text
@@ -32,7 +32,7 @@ router = APIRouter(
     prefix="/sweeps/{sweep_id}",
     tags=["curves"],
     route_class=RevalidatedRoute,
-    dependencies=[MAY_READ],
+    dependencies=[MAY_READ, *REVALIDATED],
 )
 
 DEFAULT_POINTS = 300

@@ -29,7 +29,7 @@ from service.api.refusals.problems import (
     NotFound,
     ServiceBusy,
 )
-from service.api.revalidation import RevalidatedRoute
+from service.api.revalidation import REVALIDATED, RevalidatedRoute
 from service.api.schemas.diagnosis_answer import CellsQuery, DiagnosisAnswer
 from service.model.diagnosis import Diagnosis
 from service.model.request.entry import Entries, Entry
@@ -45,7 +45,7 @@ told = APIRouter(
     prefix="/sweeps/{sweep_id}/diagnosis",
     tags=["sweeps"],
     route_class=RevalidatedRoute,
-    dependencies=[MAY_READ],
+    dependencies=[MAY_READ, *REVALIDATED],
 )
 
 MOST_AT_ONCE = 256

@@ -23,7 +23,7 @@ from service.api.refusals.problems import (
     NotFound,
     ServiceBusy,
 )
-from service.api.revalidation import RevalidatedRoute
+from service.api.revalidation import REVALIDATED, RevalidatedRoute
 from service.api.routes.results.curves import BandQuery, compared
 from service.api.schemas.figure_query import FigureQuery
 from service.model.compared import Compared
@@ -36,7 +36,7 @@ router = APIRouter(
     prefix="/sweeps/{sweep_id}",
     tags=["curves"],
     route_class=RevalidatedRoute,
-    dependencies=[MAY_READ],
+    dependencies=[MAY_READ, *REVALIDATED],
 )
 
 CURVES = "service.analysis.figures.plot:draw"

@@ -28,7 +28,7 @@ from service.api.report.parts import (
     statistics_tables,
     sweep_part,
 )
-from service.api.revalidation import RevalidatedRoute
+from service.api.revalidation import REVALIDATED, RevalidatedRoute
 from service.api.routes.results.curves import BandQuery, compared
 from service.api.routes.results.figures import CURVES, drawn, refuse_more_curves
 from service.api.routes.results.scores import scores_of, statistics_of
@@ -40,7 +40,7 @@ router = APIRouter(
     prefix="/sweeps/{sweep_id}",
     tags=["curves"],
     route_class=RevalidatedRoute,
-    dependencies=[MAY_READ],
+    dependencies=[MAY_READ, *REVALIDATED],
 )
 
 POINTS = 100  # of a curve: a report of 200 curves stays below 5 MB

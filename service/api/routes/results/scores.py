@@ -19,7 +19,7 @@ from service.api.context import TheCompared, TheStore, TheSweep
 from service.api.negotiation import asked_form
 from service.api.refusals.nearest import unknown_name
 from service.api.refusals.problems import Fault, InvalidRequest, NotFound
-from service.api.revalidation import RevalidatedRoute
+from service.api.revalidation import REVALIDATED, RevalidatedRoute
 from service.api.routes.results.curves import run_curves
 from service.api.schemas.measured.scores_answer import ScoresAnswer
 from service.api.schemas.question.verdict_answer import VerdictAnswer
@@ -39,7 +39,7 @@ router = APIRouter(
     prefix="/sweeps/{sweep_id}",
     tags=["curves"],
     route_class=RevalidatedRoute,
-    dependencies=[MAY_READ],
+    dependencies=[MAY_READ, *REVALIDATED],
 )
 
 MAX_COMPARED = 4_000_000

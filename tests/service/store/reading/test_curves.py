@@ -138,6 +138,5 @@ def test_a_score_of_the_end_has_the_same_bits_with_the_ends_alone(
         np.testing.assert_array_equal(kind.of(end.x, end.values, end.spec.timesteps), own)
 
 
-def test_points_are_counted_by_what_was_trained(store: Store, uneven: str) -> None:
-    assert store.count_points(uneven) == 4 * 8100 // 800
-    assert store.count_points("no sweep") == 0
+def test_a_sweep_has_the_timesteps_that_its_runs_have_trained(store: Store, uneven: str) -> None:
+    assert store.get_sweep(uneven).timesteps == 4 * 8100

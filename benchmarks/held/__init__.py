@@ -1,0 +1,1 @@
+"""The figures to hold, measured by one command: see `__main__`."""

@@ -1,0 +1,1 @@
+"""What `benchmarks/` has that is not a measurement itself."""
