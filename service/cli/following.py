@@ -116,7 +116,10 @@ def _follow_live(client: Client, sweep: SweepAnswer, console: Console) -> SweepA
 
 
 def _follow_lines(client: Client, sweep: SweepAnswer, console: Console) -> SweepAnswer:
-    """Plain lines, one for every tenth of the way: what a log file wants."""
+    """Plain lines, one for every tenth of the way: what a log file wants.
+
+    A sweep that is given more runs, as by its question, goes that way again.
+    """
     shown = -1
     starting = ""
 
@@ -126,7 +129,7 @@ def _follow_lines(client: Client, sweep: SweepAnswer, console: Console) -> Sweep
         if starting not in ("", before):
             say(starting, console)
         tenth = int(sweep.progress * 10)
-        if tenth > shown:
+        if tenth != shown:
             shown = tenth
             line = f"{sweep.name}: {sweep.progress:.0%} {counts_text(sweep)} {eta_text(sweep)}"
             say(line.rstrip(), console)

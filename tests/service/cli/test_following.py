@@ -125,6 +125,24 @@ def test_runs_whose_kernels_are_loaded_or_compiled_are_named_once(
     assert text.count(f"Kernels are loaded, or compiled at first use: {names} and 1 more\n") == 1
 
 
+def test_a_sweep_that_is_given_more_runs_goes_its_way_again(
+    service: Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sweep_id = service.submit(changed(seeds=1)).id
+
+    def wait(_: str, *, progressed: Callable[[SweepAnswer], None]) -> SweepAnswer:
+        for progress in (0.0, 0.04, 0.92, 0.5, 0.97):
+            progressed(sweep(progress=progress, runs={**COUNTS, "running": 0}))
+        return service.sweep(sweep_id)
+
+    monkeypatch.setattr(service, "wait", wait)
+    output = Console(file=io.StringIO(), width=120)
+    follow(service, sweep_id, output)
+    lines = output.file.getvalue().splitlines()  # type: ignore[attr-defined]
+    shown = [word for line in lines for word in line.split() if word.endswith("%")]
+    assert shown == ["0%", "92%", "50%", "97%"]
+
+
 def test_who_stops_looking_is_told_that_the_sweep_goes_on(
     service: Client, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
