@@ -21,7 +21,7 @@ from sqlalchemy import URL, Connection, Engine, create_engine, event, make_url
 from sqlalchemy.pool import ConnectionPoolEntry
 
 from service.store.refusal import DatabaseInUseError, MissingDriverError, UnsafeSQLiteError
-from service.store.upkeep.unusable import refuse_unfit
+from service.store.unusable import refuse_unfit
 
 SAFE_SQLITE = (3, 51, 3)
 SAFE_BACKPORTS = {(3, 44): 6, (3, 50): 7}  # minor version -> first safe patch

@@ -56,8 +56,8 @@ from service.store.reading import (
 from service.store.reading import measurements as measured
 from service.store.reading import random_returns as zeros
 from service.store.refusal import UnusableDatabaseError
+from service.store.unusable import unusable
 from service.store.upkeep.migration import upgrade
-from service.store.upkeep.unusable import unusable
 from service.store.writer import Writer
 from workers.messages.progress import Progress
 from workers.messages.run_spec import COHORT_LIMIT

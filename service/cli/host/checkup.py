@@ -22,7 +22,7 @@ from service.client import Client, ServiceError
 from service.refusal import RefusalError
 from service.settings import Settings
 from service.store.connection import check_sqlite, connect
-from service.store.upkeep.unusable import GENERAL, advice, reason_of
+from service.store.unusable import GENERAL, advice, reason_of
 from workers.checkpoints.place import Place, folder_in
 
 Verdict = Literal["ok", "warning", "failed"]

@@ -8,7 +8,7 @@ import pytest
 from service.refusal import RefusalError
 from service.store.refusal import UnfitServerError, UnusableDatabaseError
 from service.store.store import Store
-from service.store.upkeep.unusable import refuse_unfit
+from service.store.unusable import refuse_unfit
 from tests.service.store.postgresql import PostgreSQL
 
 
