@@ -126,14 +126,14 @@ class PretendedPool:
     def demand(self, workers: int) -> None:
         """Pretend no more workers."""
 
-    def reports(self, timeout_seconds: float) -> list[Report]:
+    def reports(self, timeout_seconds: float, gather_seconds: float = 0.0) -> list[Report]:
         """Read what the workers have said by now; skip time until one says something."""
         with self._spent.uncounted():
             self.now = self._time()
             if not self._lines and self._due:
-                until = min(self._due[0][0], self.now + timeout_seconds)
-                self._skipped += max(until - self.now, 0.0)
-                self.now = max(until, self.now)
+                self._skip_to(min(self._due[0][0], self.now + timeout_seconds))
+            if self._lines or (self._due and self._due[0][0] <= self.now):
+                self._skip_to(self.now + gather_seconds)
             self._train_until(self.now)
             lines, self._lines = self._lines, []
         return [from_line(line) for line in lines]
@@ -164,6 +164,10 @@ class PretendedPool:
 
     def _time(self) -> float:
         return self._spent.total + self._skipped
+
+    def _skip_to(self, until: float) -> None:
+        self._skipped += max(until - self.now, 0.0)
+        self.now = max(until, self.now)
 
     def _train_until(self, now: float) -> None:
         """Have every worker say what it has to say by then, as far as it need not wait."""

@@ -5,13 +5,13 @@ memory; each stream takes from there what it has not sent, and from the store wh
 stream that reads slowly thus holds nothing back and costs nothing: it has a position, no queue.
 
 Changes that came between two looks are sent together, a run's measurements merged into one
-message under the id of the first of them. So a stream that breaks anywhere and resumes after the
+message at the place of the first of them. So a stream that breaks anywhere and resumes after the
 last id it saw misses nothing; at worst it hears of some measurements twice.
 """
 
 import asyncio
 from collections import deque
-from collections.abc import AsyncGenerator, AsyncIterator, Iterable, Mapping, Sequence
+from collections.abc import AsyncGenerator, AsyncIterator, Iterable, Iterator, Mapping, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, replace
 from itertools import takewhile
@@ -134,22 +134,45 @@ class EventFeed:
 
 
 def coalesce(events: Iterable[Event]) -> list[Message]:
-    """Return events as messages, the measurements of a run merged into the first of them."""
+    """Return events as messages, the measurements of a run merged into the first of them.
+
+    A message has the id up to which all is told with it: of several messages of one event, the last
+    one alone has the event's.
+    """
     messages: list[Message] = []
     places: dict[str, int] = {}
     for event in events:
-        place = len(messages)
-        if event.kind == "measurements":
-            place = places.setdefault(event.payload["run_id"], place)
-        if place == len(messages):
-            messages.append(Message(event.id, event.kind, event.payload))
-        else:
-            messages[place] = _merged(messages[place], event)
+        begun = len(messages)
+        for payload in _payloads(event):
+            place = len(messages)
+            if event.kind == "measurements":
+                place = places.setdefault(payload["run_id"], place)
+            if place == len(messages):
+                messages.append(Message(event.id - 1, event.kind, payload))
+            else:
+                messages[place] = _merged(messages[place], payload)
+        if len(messages) > begun:
+            messages[-1] = replace(messages[-1], id=event.id)
     return messages
 
 
-def _merged(earlier: Message, later: Event) -> Message:
+def _payloads(event: Event) -> Iterator[Mapping[str, Any]]:
+    """What messages say of an event: of measurements, one for each run."""
+    if event.kind != "measurements":
+        yield event.payload
+        return
+    told = event.payload
+    for run_id in told["run_ids"]:
+        yield {
+            "sweep_id": told["sweep_id"],
+            "run_id": run_id,
+            "from": told["from"],
+            "to": told["to"],
+        }
+
+
+def _merged(earlier: Message, later: Mapping[str, Any]) -> Message:
     payload = dict(earlier.payload)
-    payload["from"] = min(payload["from"], later.payload["from"])
-    payload["to"] = max(payload["to"], later.payload["to"])
+    payload["from"] = min(payload["from"], later["from"])
+    payload["to"] = max(payload["to"], later["to"])
     return replace(earlier, payload=payload)

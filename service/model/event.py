@@ -10,10 +10,10 @@ class Event:
     """One change.
 
     kind     "sweep" (created, edited, cancelled, paused, resumed, retried), "run" (its status
-             changed), "measurements" (a run has new ones), "diagnosis" (a run has one, or several
+             changed), "measurements" (runs have new ones), "diagnosis" (a run has one, or several
              are asked for) or "log" (a worker printed something)
     payload  always sweep_id; sweep: change; run: run_id, status, reason, attempt, timestep;
-             measurements: run_id, from, to (timesteps, both inclusive); diagnosis: run_id, where
+             measurements: run_ids, from, to (timesteps, both inclusive); diagnosis: run_id, where
              it is of one; log: run_ids, of those that the worker trains
     """
 

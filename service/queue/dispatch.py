@@ -162,8 +162,10 @@ class Dispatcher:
         if not self._state.pool_is_up or PoolLost in map(type, self._events):
             self._stopping.wait(0.0 if is_held_up else self._times.round)
             return
+        wait = 0.0 if is_held_up else self._times.round
+        gather = self._times.gathering(len(self.workers))
         try:
-            self._events.extend(self._pool.reports(0.0 if is_held_up else self._times.round))
+            self._events.extend(self._pool.reports(wait, gather))
         except PoolUnavailableError as error:
             self._events.append(_pool_lost(error))
 

@@ -19,6 +19,8 @@ class DispatchTimes:
     lease    a worker that is not heard of for so long has lost its runs
     grace    a worker that was told to drop a run has so long to do so before it is killed
     round    longest wait for reports; how late a cancelling or a new sweep is seen
+    gather   after the first report of a round, so long for each worker others are waited for
+    longest_gather  however many workers there are
     expiry   between two looks for expired leases
     demand   between two looks at how much work there is, where no worker is idle
     restart  before a pool that failed is started again, doubled each time up to `longest_restart`
@@ -29,10 +31,19 @@ class DispatchTimes:
     lease: float = LEASE_SECONDS
     grace: float = 5.0
     round: float = 0.1
+    gather: float = 1e-4
+    longest_gather: float = 0.1
     expiry: float = 1.0
     demand: float = 2.0
     restart: float = 1.0
     longest_restart: float = 30.0
+
+    def gathering(self, workers: int) -> float:
+        """Return how long reports of so many workers are gathered, to be written together.
+
+        A round costs as much as several reports, and a worker trains on while its own waits.
+        """
+        return min(self.gather * workers, self.longest_gather)
 
 
 @dataclass(frozen=True)

@@ -3,15 +3,16 @@
 What many workers said is written together, statement by statement: the cost is that of the rows.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import Connection, Row, update
+from sqlalchemy import Connection, Row, func, update
 
 from service.model.claim import Claim
 from service.model.run import RunStatus
 from service.model.run_name import RunName
+from service.store.at_once import among, update_each
 from service.store.claiming import checkpoints, endings, logs
 from service.store.claiming.claims import held_runs
 from service.store.claiming.endings import Ending
@@ -67,43 +68,30 @@ def record_all(connection: Connection, said: Sequence[tuple[Claim, Progress]]) -
 
 def _go_on(connection: Connection, heard: Sequence[Heard]) -> None:
     """Renew the lease of all, and note how far those in training have come."""
-    rows = []
-    for each in heard:
-        progress = each.progress
-        trained = each.in_training if progress.activity is Activity.TRAINING else set()
-        rows += [
-            (
-                each.claim.lease_seconds,
-                progress.timestep if seed in trained else None,
-                progress.bytes_per_run or None,
-                row.number,
-            )
-            for seed, row in each.by_seed.items()
-        ]
-    if rows:
-        _renew(connection, rows)
+    update_each(
+        connection,
+        runs,
+        ("number",),
+        [row for each in heard for row in _renewals(each)],
+        lambda new: {
+            "lease_until": now() + new["lease_seconds"],
+            "timestep": func.coalesce(new["timestep"], runs.c.timestep),
+            "memory_bytes": func.coalesce(new["memory_bytes"], runs.c.memory_bytes),
+        },
+    )
 
 
-def _renew(
-    connection: Connection, rows: Sequence[tuple[float, int | None, int | None, int]]
-) -> None:
-    """Write (lease, timestep, bytes, number) of runs; what is None stays as it is."""
-    clock = now().compile(dialect=connection.dialect)
-    if connection.dialect.name == "sqlite":
-        connection.exec_driver_sql(
-            f"UPDATE runs SET lease_until = {clock} + ?, timestep = coalesce(?, timestep), "  # noqa: S608
-            "memory_bytes = coalesce(?, memory_bytes) WHERE number = ?",
-            list(rows),
-        )
-    else:  # one statement, where psycopg would send each row by itself
-        connection.exec_driver_sql(
-            f"UPDATE runs SET lease_until = {clock} + told.lease, "  # noqa: S608
-            "timestep = coalesce(told.timestep, runs.timestep), "
-            "memory_bytes = coalesce(told.bytes, runs.memory_bytes) "
-            "FROM unnest(%s::float8[], %s::bigint[], %s::bigint[], %s::bigint[]) "
-            "AS told (lease, timestep, bytes, number) WHERE runs.number = told.number",
-            tuple(map(list, zip(*rows, strict=True))),
-        )
+def _renewals(heard: Heard) -> Iterator[Mapping[str, Any]]:
+    """What each run's row is told; what is None stays as it is."""
+    progress = heard.progress
+    trained = heard.in_training if progress.activity is Activity.TRAINING else set()
+    for seed, row in heard.by_seed.items():
+        yield {
+            "number": row.number,
+            "lease_seconds": heard.claim.lease_seconds,
+            "timestep": progress.timestep if seed in trained else None,
+            "memory_bytes": progress.bytes_per_run or None,
+        }
 
 
 def _measure(connection: Connection, heard: Sequence[Heard]) -> None:
@@ -120,24 +108,21 @@ def _measure(connection: Connection, heard: Sequence[Heard]) -> None:
     reached: dict[int, list[int]] = {}
     for number, measurement in fresh:
         reached.setdefault(number, []).append(measurement.timestep)
-    measured = [
-        (row, steps)
-        for each in heard
-        for row in each.held.values()
-        if (steps := reached.get(row.number))
-    ]
-    recovered = [row.number for row, _ in measured if row.losses]
-    if recovered:
-        connection.execute(update(runs).where(runs.c.number.in_(recovered)).values(losses=0))
-    events.append(
-        connection,
-        [
-            events.measured(
-                row.sweep_number, RunName(row.sweep_id, row.ordinal), min(steps), max(steps)
-            )
-            for row, steps in measured
-        ],
-    )
+    rows = {row.number: row for each in heard for row in each.held.values()}
+    if recovered := [number for number in reached if rows[number].losses]:
+        connection.execute(update(runs).where(among(runs.c.number, recovered)).values(losses=0))
+    events.append(connection, [change for each in heard for change in _measured(each, reached)])
+
+
+def _measured(heard: Heard, reached: Mapping[int, Sequence[int]]) -> Iterator[events.Change]:
+    """What whoever watches is to know of a report: one entry for all runs that came equally far."""
+    spans: dict[tuple[int, int], list[Row[Any]]] = {}
+    for row in heard.held.values():
+        if steps := reached.get(row.number):
+            spans.setdefault((min(steps), max(steps)), []).append(row)
+    for (first, last), rows in spans.items():
+        names = [RunName(row.sweep_id, row.ordinal) for row in rows]
+        yield events.measured(rows[0].sweep_number, names, first, last)
 
 
 def _endings(heard: Heard) -> list[Ending]:

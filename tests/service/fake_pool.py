@@ -97,6 +97,7 @@ class FakePool:
         self.starts = 0
         self.acknowledged = 0
         self.demanded: list[int] = []
+        self.gathered: list[float] = []
         self.asked_random_returns: list[str] = []
         self.is_closed = False
         self._made = 0
@@ -134,8 +135,9 @@ class FakePool:
             self._reports.append(Lost(worker, reason, "last words"))
             self._make()
 
-    def reports(self, timeout_seconds: float) -> list[Report]:
+    def reports(self, timeout_seconds: float, gather_seconds: float = 0.0) -> list[Report]:
         del timeout_seconds
+        self.gathered.append(gather_seconds)
         if self.problem:
             raise PoolUnavailableError(self.problem)
         for worker in list(self.workers.values()):

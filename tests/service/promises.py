@@ -12,6 +12,7 @@ from typing import Any, Literal
 from sqlalchemy import Engine
 
 from service.model.claim import Claim
+from service.model.event import Event
 from service.model.inquiry.question import Question
 from service.model.move import Move
 from service.model.run import FINAL, RunStatus
@@ -28,6 +29,13 @@ AGAIN = {
     ("climb", RunStatus.SUCCEEDED),
 }
 """What users may have begun again of what has ended, and what goes on to the next rung."""
+
+
+def runs_of(event: Event) -> list[str]:
+    """The runs whose status an event tells of, or their measurements."""
+    if event.kind == "run":
+        return [event.payload["run_id"]]
+    return list(event.payload["run_ids"]) if event.kind == "measurements" else []
 
 
 @dataclass
@@ -122,8 +130,7 @@ class Promises:
         yield
         for event in self.store.events_after(self.seen_event):
             self.seen_event = event.id
-            if event.kind in {"run", "measurements"}:
-                name = event.payload["run_id"]
+            for name in runs_of(event):
                 assert name in runs, f"{name} was changed by what may not: {event.payload}"
                 if event.kind == "run":
                     self._check_move(name, event.payload, asked)

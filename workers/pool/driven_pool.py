@@ -8,6 +8,7 @@ import json
 import queue
 import socket
 import threading
+import time
 from abc import ABC, abstractmethod
 from collections.abc import Collection
 from contextlib import ExitStack
@@ -66,7 +67,7 @@ class DrivenPool(ABC):
         """So many more of the reports given out are recorded, in their order."""
         self._send(do="acknowledge", count=count)
 
-    def reports(self, timeout_seconds: float) -> list[Report]:
+    def reports(self, timeout_seconds: float, gather_seconds: float = 0.0) -> list[Report]:
         """Wait for reports. Raises PoolUnavailableError when the process has ended.
 
         What it had started is ended then too.
@@ -74,9 +75,10 @@ class DrivenPool(ABC):
         found: list[Report] = []
         try:
             report = self._reports.get(timeout=timeout_seconds)
+            until = time.monotonic() + gather_seconds
             while report is not None:
                 found.append(report)
-                report = self._reports.get_nowait()
+                report = self._reports.get(timeout=max(until - time.monotonic(), 0.0))
         except queue.Empty:
             return found
         if found:

@@ -42,8 +42,8 @@ class Pool(Protocol):
         Those that are not needed end after a while, each with Retired, or stay.
         """
 
-    def reports(self, timeout_seconds: float) -> list[Report]:
-        """Wait that long for reports and return those that came, in order.
+    def reports(self, timeout_seconds: float, gather_seconds: float = 0.0) -> list[Report]:
+        """Wait that long for a report, gather others for a while, and return them in order.
 
         Raises PoolUnavailableError when the pool is no more.
         """

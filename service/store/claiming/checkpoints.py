@@ -14,7 +14,8 @@ from sqlalchemy import ColumnElement, Connection, Row, delete, func, select, upd
 
 from service.model.run import FINAL, RunStatus
 from service.model.run_name import RunName
-from service.store.claiming.claims import of_attempt, of_run, told
+from service.store.at_once import among, update_each
+from service.store.claiming.claims import told
 from service.store.reading import events
 from service.store.tables import attempts, measurements, runs, sweeps
 from workers.messages.progress import CheckpointAttempt, Progress, Resumption
@@ -35,31 +36,36 @@ def begin(connection: Connection, begun: Sequence[tuple[Rows, Progress]]) -> Non
     if not starts:
         return
     _forget_other_bits(connection, starts)
-    connection.execute(
-        update(runs).where(of_run),
+    update_each(
+        connection,
+        runs,
+        ("number",),
         [
-            {
-                "of_run": row.number,
-                "fingerprint": fingerprint,
-                "timestep": resumed.timestep,
-                "resumed_timestep": resumed.timestep,
-                "checkpoint_timestep": resumed.timestep,
-            }
+            {"number": row.number, "fingerprint": fingerprint, "timestep": resumed.timestep}
             for row, fingerprint, resumed in starts
         ],
+        lambda new: {
+            "fingerprint": new["fingerprint"],
+            **dict.fromkeys(
+                ("timestep", "resumed_timestep", "checkpoint_timestep"), new["timestep"]
+            ),
+        },
     )
-    connection.execute(
-        update(attempts).where(of_attempt),
+    update_each(
+        connection,
+        attempts,
+        ("run_number", "attempt"),
         [
             {
-                "of_run": row.number,
-                "of_attempt": row.attempt,
+                "run_number": row.number,
+                "attempt": row.attempt,
                 "fingerprint": fingerprint,
                 "resumed_timestep": resumed.timestep,
                 "note": resumed.note,
             }
             for row, fingerprint, resumed in starts
         ],
+        lambda new: {name: new[name] for name in ("fingerprint", "resumed_timestep", "note")},
     )
     _say(connection, [(row, r.note, r.timestep) for row, _, r in starts if row.attempt > 1])
 
@@ -79,7 +85,7 @@ def _fingerprint(progress: Progress, resumed: Resumption) -> Mapping[str, Any]:
 def _forget_other_bits(connection: Connection, starts: Sequence[Start]) -> None:
     """Delete the points of runs whose earlier attempts had another fingerprint."""
     numbers = [row.number for row, _, _ in starts if row.attempt > 1]
-    query = select(runs.c.number, runs.c.fingerprint).where(runs.c.number.in_(numbers))
+    query = select(runs.c.number, runs.c.fingerprint).where(among(runs.c.number, numbers))
     earlier = {row.number: row.fingerprint for row in connection.execute(query)} if numbers else {}
     others = [
         row.number
@@ -87,7 +93,7 @@ def _forget_other_bits(connection: Connection, starts: Sequence[Start]) -> None:
         if (other := earlier.get(row.number)) is not None and other != fingerprint
     ]
     if others:
-        connection.execute(delete(measurements).where(measurements.c.run_number.in_(others)))
+        connection.execute(delete(measurements).where(among(measurements.c.run_number, others)))
 
 
 def note(
@@ -106,12 +112,17 @@ def note(
     if not newest:
         return
     whole = [
-        {"of_run": number, "checkpoint_timestep": entry.timestep}
+        {"number": number, "checkpoint_timestep": entry.timestep}
         for number, (_, entry) in newest.items()
         if not entry.problem
     ]
-    if whole:
-        connection.execute(update(runs).where(of_run), whole)
+    update_each(
+        connection,
+        runs,
+        ("number",),
+        whole,
+        lambda new: {"checkpoint_timestep": new["checkpoint_timestep"]},
+    )
     notes = _notes(connection, list(newest))
     said = [
         (row, ", ".join(filter(None, (notes[number], entry.problem))), entry.timestep)
@@ -125,7 +136,7 @@ def _notes(connection: Connection, numbers: Sequence[int]) -> dict[int, str]:
     query = (
         select(attempts.c.run_number, attempts.c.note)
         .join(runs, runs.c.number == attempts.c.run_number)
-        .where(runs.c.number.in_(numbers))
+        .where(among(runs.c.number, numbers))
         .where(attempts.c.attempt == runs.c.attempt)
     )
     return {number: said for number, said in connection.execute(query)}  # noqa: C416
@@ -135,8 +146,8 @@ def _say(connection: Connection, said: Sequence[tuple[Row[Any], str, int]]) -> N
     """Give runs reasons, empty when all is well, unless they are being cancelled."""
     reasons = [(row, reason, step) for row, reason, step in said if not row.is_cancelling]
     if reasons:
-        values = [{"of_run": row.number, "reason": reason} for row, reason, _ in reasons]
-        connection.execute(update(runs).where(of_run), values)
+        rows = [{"number": row.number, "reason": reason} for row, reason, _ in reasons]
+        update_each(connection, runs, ("number",), rows, lambda new: {"reason": new["reason"]})
         told_of = [told(row, RunStatus.RUNNING, reason, step) for row, reason, step in reasons]
         events.append(connection, told_of)
 

@@ -5,46 +5,32 @@ instant. Every later write under the claim picks its runs by attempt and status,
 that was given up changes nothing (fencing), and no run that has ended changes again.
 """
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from itertools import chain
 from typing import Any
 
-from sqlalchemy import (
-    Connection,
-    Row,
-    Select,
-    bindparam,
-    case,
-    func,
-    insert,
-    literal,
-    select,
-    update,
-)
+from sqlalchemy import Connection, Row, Select, case, func, select, update
 
 from service.model.claim import CellLimit, Claim
 from service.model.run import RunStatus
 from service.model.run_name import RunName
-from service.store.claiming.turns import Turns, has_room, is_waiting
+from service.store.at_once import among, insert_each
+from service.store.claiming.turns import (
+    ALONE_AFTER,
+    Cohort,
+    Line,
+    Turns,
+    has_room,
+    is_waiting,
+)
 from service.store.column_types import now
 from service.store.reading import events
 from service.store.reading.runs import spec_of
-from service.store.tables import attempts, is_queued, is_running, runs, sweeps
+from service.store.tables import attempts, is_running, runs, sweeps
 from workers.messages.assignment import Assignment
 
-Taken = Sequence[Row[Any]]
-"""Runs of one cell whose attempts have just begun, in the order of their sweep."""
-
 has_ended = is_running & (runs.c.lease_until < now())
-
-# Of statements that take many runs at once.
-of_run = runs.c.number == bindparam("of_run")
-of_attempt = (attempts.c.run_number == bindparam("of_run")) & (
-    attempts.c.attempt == bindparam("of_attempt")
-)
-
-ALONE_AFTER = 2
-"""A run that lost this many workers in a row trains alone, so as to take no neighbour with it."""
 
 
 def claim_all(
@@ -55,40 +41,43 @@ def claim_all(
     None for those for whom nothing waits any more.
     """
     turns = Turns(connection)
-    taken = [
-        (worker, _take_next(connection, turns, limit, lease_seconds)) for worker, limit in asked
-    ]
-    begun = [(worker, rows) for worker, rows in taken if rows]
+    lines = {
+        sweep: Line(connection, sweep, math.ceil(len(asked) / len(turns.sweeps)))
+        for sweep in turns.sweeps
+    }
+    taken = [(worker, _take_next(turns, lines, limit)) for worker, limit in asked]
+    begun = [(worker, row) for worker, cohort in taken for row in cohort]
     if begun:
+        _begin(connection, [row.number for _, row in begun], lease_seconds)
         _note(connection, turns, begun)
-    return [_claim(turns, worker, lease_seconds, rows) if rows else None for worker, rows in taken]
+    return [
+        _claim(turns, worker, lease_seconds, cohort) if cohort else None for worker, cohort in taken
+    ]
 
 
-def _claim(turns: Turns, worker: str, lease_seconds: float, rows: Taken) -> Claim:
+def _take_next(turns: Turns, lines: Mapping[int, Line], limit: CellLimit) -> Cohort:
+    """Take runs of the sweep whose turn it is; none where nothing waits."""
+    while (sweep := turns.next) is not None:
+        cohort = lines[sweep].take(limit)
+        turns.take(len(cohort))
+        if cohort:
+            return cohort
+    return ()
+
+
+def _claim(turns: Turns, worker: str, lease_seconds: float, cohort: Cohort) -> Claim:
     claimed = (
-        Assignment(str(turns.run_name(row)), row.attempt, spec_of(row), row.environment_version)
-        for row in rows
+        Assignment(str(turns.run_name(row)), row.attempt + 1, spec_of(row), row.environment_version)
+        for row in cohort
     )
     return Claim(worker, lease_seconds, tuple(claimed))
 
 
-def _take_next(
-    connection: Connection, turns: Turns, limit: CellLimit, lease_seconds: float
-) -> Taken:
-    """Begin attempts of runs of the sweep whose turn it is; none where nothing waits."""
-    while (sweep := turns.next) is not None:
-        rows = _take(connection, _cohort(connection, sweep, limit), lease_seconds)
-        turns.take(len(rows))
-        if rows:
-            return rows
-    return ()
-
-
-def _take(connection: Connection, numbers: Sequence[int], lease_seconds: float) -> Taken:
+def _begin(connection: Connection, numbers: Sequence[int], lease_seconds: float) -> None:
     """Begin an attempt of each run, under a lease."""
-    taken = connection.execute(
+    connection.execute(
         update(runs)
-        .where(runs.c.number.in_(numbers), is_queued)
+        .where(among(runs.c.number, numbers))
         .values(
             status=RunStatus.RUNNING,
             reason="",
@@ -100,60 +89,31 @@ def _take(connection: Connection, numbers: Sequence[int], lease_seconds: float) 
             lease_until=now() + lease_seconds,
             started_at=func.coalesce(runs.c.started_at, now()),
         )
-        .returning(runs)
-    ).all()
-    return sorted(taken, key=lambda row: row.ordinal)
-
-
-def _cohort(connection: Connection, sweep_number: int, limit: CellLimit) -> list[int]:
-    """Return the first waiting run, and others of its cell that were left at the same timestep.
-
-    Those train together.
-    """
-    of_sweep = runs.c.sweep_number == sweep_number
-    first = connection.execute(
-        select(runs).where(of_sweep, is_waiting).order_by(runs.c.ordinal).limit(1)
-    ).one_or_none()
-    if first is None:
-        return []
-    if first.losses >= ALONE_AFTER:
-        return [first.number]
-    query = (
-        select(runs.c.number)
-        .where(
-            of_sweep,
-            is_waiting,
-            runs.c.cell == first.cell,
-            runs.c.losses < ALONE_AFTER,
-            runs.c.checkpoint_timestep == first.checkpoint_timestep,
-        )
-        .order_by(runs.c.ordinal)
-        .limit(limit(spec_of(first).cell))
     )
-    return list(connection.scalars(query))
 
 
-def _note(connection: Connection, turns: Turns, taken: Sequence[tuple[str, Taken]]) -> None:
+def _note(connection: Connection, turns: Turns, begun: Sequence[tuple[str, Row[Any]]]) -> None:
     """Note that sweeps were served, the attempts, and what whoever watches is to know."""
-    begun = [row for _, rows in taken for row in rows]
-    served = sweeps.c.number.in_({row.sweep_number for row in begun})
+    served = among(sweeps.c.number, {row.sweep_number for _, row in begun})
     connection.execute(update(sweeps).where(served).values(last_claimed_at=now()))
-    opened = ["run_number", "attempt", "worker"]
-    for worker, rows in taken:
-        of_worker = select(runs.c.number, runs.c.attempt, literal(worker)).where(
-            runs.c.number.in_([row.number for row in rows])
-        )
-        connection.execute(insert(attempts).from_select(opened, of_worker))
+    insert_each(
+        connection,
+        attempts,
+        [
+            {"run_number": row.number, "attempt": row.attempt + 1, "worker": worker}
+            for worker, row in begun
+        ],
+    )
     changes = [
         events.run_changed(
             row.sweep_number,
             turns.run_name(row),
             status=RunStatus.RUNNING,
             reason="",
-            attempt=row.attempt,
-            timestep=row.timestep,
+            attempt=row.attempt + 1,
+            timestep=row.checkpoint_timestep,
         )
-        for row in begun
+        for _, row in begun
     ]
     events.append(connection, changes)
 
@@ -167,7 +127,7 @@ def held_runs(connection: Connection, held: Sequence[Claim]) -> list[dict[str, R
     found: dict[str, Row[Any]] = {}
     for sweep_id, wanted in ordinals.items():
         rows = connection.execute(
-            held_rows().where(sweeps.c.id == sweep_id, runs.c.ordinal.in_(wanted), is_running)
+            held_rows().where(sweeps.c.id == sweep_id, among(runs.c.ordinal, wanted), is_running)
         )
         found.update({str(RunName(sweep_id, row.ordinal)): row for row in rows})
     return [

@@ -12,6 +12,7 @@ from sqlalchemy import ColumnElement, Connection, delete, func, select, update
 
 from service.model.run import FINAL
 from service.model.run_name import RunName
+from service.store.at_once import among
 from service.store.claiming.checkpoints import has_ended
 from service.store.column_types import now
 from service.store.reading import events as log
@@ -77,14 +78,14 @@ def purge_runs(connection: Connection, run_ids: Sequence[str]) -> Purged:
     )
     ordinals = [name.ordinal for name in names]
     of_sweep = runs.c.sweep_number == sweep.scalar_subquery()
-    query = select(runs.c.number).where(of_sweep, runs.c.ordinal.in_(ordinals))
+    query = select(runs.c.number).where(of_sweep, among(runs.c.ordinal, ordinals))
     numbers = list(connection.scalars(query))
     measured = connection.execute(
-        delete(measurements).where(measurements.c.run_number.in_(numbers))
+        delete(measurements).where(among(measurements.c.run_number, numbers))
     )
     for others in (attempts, diagnoses):
-        connection.execute(delete(others).where(others.c.run_number.in_(numbers)))
-    gone = connection.execute(delete(runs).where(runs.c.number.in_(numbers)))
+        connection.execute(delete(others).where(among(others.c.run_number, numbers)))
+    gone = connection.execute(delete(runs).where(among(runs.c.number, numbers)))
     return Purged(gone.rowcount, measured.rowcount)
 
 

@@ -3,15 +3,16 @@
 Each statement takes all runs that end alike, however many.
 """
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import Connection, Row, Text, bindparam, func, update
+from sqlalchemy import Connection, Row, func, update
 
 from service.model.claim import Claim
 from service.model.run import RunStatus
-from service.store.claiming.claims import has_ended, held_rows, held_runs, of_attempt, of_run, told
+from service.store.at_once import New, among, update_each
+from service.store.claiming.claims import has_ended, held_rows, held_runs, told
 from service.store.claiming.logs import legible
 from service.store.claiming.retry import RetryPolicy
 from service.store.column_types import now
@@ -20,7 +21,6 @@ from service.store.reading.measurements import final_score
 from service.store.tables import attempts, runs
 
 STOPPED = "cancelled while it was running"
-GIVEN_UP: Mapping[str, Any] = {"lease_until": None, "is_cancelling": False}
 
 
 @dataclass(frozen=True)
@@ -97,8 +97,14 @@ def failed(row: Row[Any], error: str, *, timestep: int | None = None, log_tail: 
 def end(connection: Connection, endings: Sequence[Ending]) -> None:
     """End running runs for good."""
     if endings:
-        stop = update(runs).where(of_run).values(**GIVEN_UP, finished_at=now())
-        connection.execute(stop, [_moved(ending) for ending in endings])
+        moved = [_moved(ending) for ending in endings]
+        update_each(
+            connection,
+            runs,
+            ("number",),
+            moved,
+            lambda new: {**_given_up(new), "finished_at": now()},
+        )
         _score(connection, [e.row.number for e in endings if e.status is RunStatus.SUCCEEDED])
         _tell(connection, endings)
 
@@ -106,7 +112,7 @@ def end(connection: Connection, endings: Sequence[Ending]) -> None:
 def _score(connection: Connection, numbers: Sequence[int]) -> None:
     """Write the final scores of runs that have just succeeded."""
     if numbers:
-        score = update(runs).where(runs.c.number.in_(numbers)).values(score=final_score())
+        score = update(runs).where(among(runs.c.number, numbers)).values(score=final_score())
         connection.execute(score)
 
 
@@ -155,16 +161,30 @@ def _queue_again(
             moved.append(Ending(row, status, reason, "lost", row.timestep, log_tail=log_tail))
             values.append({**_moved(moved[-1]), "losses": losses, "wait_seconds": wait_seconds})
     if moved:
-        not_before = now() + bindparam("wait_seconds")
-        queue = update(runs).where(of_run).values(**GIVEN_UP, not_before=not_before)
-        connection.execute(queue, values)
+        update_each(
+            connection,
+            runs,
+            ("number",),
+            values,
+            lambda new: {
+                **_given_up(new),
+                "losses": new["losses"],
+                "not_before": now() + new["wait_seconds"],
+            },
+        )
         _tell(connection, moved)
 
 
+def _given_up(new: New) -> dict[str, Any]:
+    """The values of a run that no worker trains any more."""
+    told = {name: new[name] for name in ("status", "reason", "timestep")}
+    return {**told, "lease_until": None, "is_cancelling": False}
+
+
 def _moved(ending: Ending) -> dict[str, Any]:
-    """The run's new values."""
+    """What the run's row is told."""
     return {
-        "of_run": ending.row.number,
+        "number": ending.row.number,
         "status": ending.status,
         "reason": ending.reason,
         "timestep": ending.timestep,
@@ -173,20 +193,26 @@ def _moved(ending: Ending) -> dict[str, Any]:
 
 def _tell(connection: Connection, endings: Sequence[Ending]) -> None:
     """Close the attempts and append the events."""
-    last_lines = func.nullif(bindparam("last_lines", type_=Text), "")
-    kept = func.coalesce(last_lines, attempts.c.log_tail)
-    close = update(attempts).where(of_attempt).values(ended_at=now(), log_tail=kept)
-    connection.execute(
-        close,
-        [
-            {
-                "of_run": ending.row.number,
-                "of_attempt": ending.row.attempt,
-                "outcome": ending.outcome,
-                "error": ending.error or ending.reason,
-                "last_lines": ending.log_tail,
-            }
-            for ending in endings
-        ],
+    closed = [
+        {
+            "run_number": ending.row.number,
+            "attempt": ending.row.attempt,
+            "outcome": ending.outcome,
+            "error": ending.error or ending.reason,
+            "log_tail": ending.log_tail,
+        }
+        for ending in endings
+    ]
+    update_each(
+        connection,
+        attempts,
+        ("run_number", "attempt"),
+        closed,
+        lambda new: {
+            "outcome": new["outcome"],
+            "error": new["error"],
+            "log_tail": func.coalesce(func.nullif(new["log_tail"], ""), attempts.c.log_tail),
+            "ended_at": now(),
+        },
     )
     events.append(connection, [told(e.row, e.status, e.reason, e.timestep) for e in endings])

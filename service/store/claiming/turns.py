@@ -1,4 +1,4 @@
-"""Whose turn it is, of the sweeps in which runs wait.
+"""Whose turn it is: of the sweeps in which runs wait, and of the runs in one (`Line`).
 
 Highest priority, then fewest running runs, then longest not served, then oldest; a sweep that holds
 as many workers as it may has no turn. Running runs and workers are counted once a transaction,
@@ -7,13 +7,35 @@ however many cohorts are claimed in it.
 
 import heapq
 import math
+from collections.abc import Sequence
 from typing import Any
 
-from sqlalchemy import ColumnElement, Connection, Row, ScalarSelect, case, func, or_, select
+from sqlalchemy import (
+    ColumnElement,
+    Connection,
+    Row,
+    ScalarSelect,
+    and_,
+    case,
+    func,
+    or_,
+    select,
+    true,
+)
 
+from service.model.claim import CellLimit
 from service.model.run_name import RunName
+from service.store.at_once import among
 from service.store.column_types import now
+from service.store.reading.runs import spec_of
 from service.store.tables import attempts, is_queued, is_running, runs, sweeps
+from workers.messages.run_spec import COHORT_LIMIT
+
+ALONE_AFTER = 2
+"""A run that lost this many workers in a row trains alone, so as to take no neighbour with it."""
+
+Cohort = Sequence[Row[Any]]
+"""Runs of one cell that train together, in the order of their sweep."""
 
 is_waiting = is_queued & (runs.c.not_before <= now())
 
@@ -63,6 +85,11 @@ class Turns:
         heapq.heapify(self._order)
 
     @property
+    def sweeps(self) -> list[int]:
+        """The numbers of those that have a turn."""
+        return [number for *_, number in self._order]
+
+    @property
     def next(self) -> int | None:
         """The number of the sweep whose turn it is; None when nothing waits."""
         return self._order[0][-1] if self._order else None
@@ -77,3 +104,68 @@ class Turns:
     def run_name(self, row: Row[Any]) -> RunName:
         """Return the name of a run of one of these sweeps."""
         return RunName(self._names[row.sweep_number], row.ordinal)
+
+
+class Line:
+    """The runs of a sweep that wait for a worker, in a transaction that claims.
+
+    They are read many at once and taken out cohort by cohort; whoever takes them changes their
+    status before the transaction ends.
+    """
+
+    def __init__(self, connection: Connection, sweep_number: int, cohorts: int) -> None:
+        """Read as many runs at once as so many cohorts have at most."""
+        self._connection = connection
+        self._of_sweep = runs.c.sweep_number == sweep_number
+        self._size = cohorts * COHORT_LIMIT
+        self._front: Cohort = ()
+        self._has_more = True  # behind those at the front
+        self._taken: set[int] = set()
+
+    def take(self, limit: CellLimit) -> Cohort:
+        """Take the first run out, and others of its cell that were left at the same timestep.
+
+        None where nothing waits any more.
+        """
+        if not self._front and self._has_more:
+            self._front = self._find(true(), self._size)
+            self._has_more = len(self._front) == self._size
+        if not self._front:
+            return ()
+        cohort = self._cohort(self._front[0], limit)
+        self._taken.update(row.number for row in cohort)
+        self._front = [row for row in self._front if row.number not in self._taken]
+        return cohort
+
+    def _cohort(self, first: Row[Any], limit: CellLimit) -> Cohort:
+        if first.losses >= ALONE_AFTER:
+            return [first]
+        most = min(limit(spec_of(first).cell), COHORT_LIMIT)
+        near = [row for row in self._front if _train_together(first, row)]
+        if len(near) >= most or not self._has_more:
+            return near[:most]
+        mates = and_(
+            runs.c.cell == first.cell,
+            runs.c.losses < ALONE_AFTER,
+            runs.c.checkpoint_timestep == first.checkpoint_timestep,
+        )
+        return self._find(mates, most)
+
+    def _find(self, condition: ColumnElement[bool], limit: int) -> Cohort:
+        """Read runs that wait and were not taken out."""
+        is_left = ~among(runs.c.number, self._taken) if self._taken else true()
+        query = (
+            select(runs)
+            .where(self._of_sweep, is_waiting, condition, is_left)
+            .order_by(runs.c.ordinal)
+            .limit(limit)
+        )
+        return self._connection.execute(query).all()
+
+
+def _train_together(first: Row[Any], other: Row[Any]) -> bool:
+    return bool(
+        other.cell == first.cell
+        and other.losses < ALONE_AFTER
+        and other.checkpoint_timestep == first.checkpoint_timestep
+    )

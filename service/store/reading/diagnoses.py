@@ -25,6 +25,7 @@ from algorithms.diagnostics.finding import Finding
 from service.model.diagnosis import Diagnosis
 from service.model.run import FINAL, Run, RunStatus
 from service.model.run_name import RunName
+from service.store.at_once import among
 from service.store.reading import events
 from service.store.reading.runs import named, run_of, select_runs
 from service.store.refusal import NotFoundError, TooManyAskedError
@@ -91,7 +92,7 @@ def ask(connection: Connection, asked: Sequence[Run], most_waiting: int) -> None
             f"{most_waiting}"
         )
     numbers = [row.number for row in new]
-    connection.execute(delete(diagnoses).where(diagnoses.c.run_number.in_(numbers)))
+    connection.execute(delete(diagnoses).where(among(diagnoses.c.run_number, numbers)))
     entries = [{"run_number": row.number, "attempt": row.attempt} for row in new]
     connection.execute(insert(diagnoses), entries)
     events.append(connection, [events.diagnosed(new[0].sweep_number, new[0].sweep_id)])
@@ -134,7 +135,7 @@ def _waiting() -> Select[Any]:
 
 def _any_of(asked: Sequence[Run]) -> ColumnElement[bool]:
     ordinals = [RunName.parse(run.id).ordinal for run in asked]
-    return and_(sweeps.c.id == asked[0].sweep_id, runs.c.ordinal.in_(ordinals))
+    return and_(sweeps.c.id == asked[0].sweep_id, among(runs.c.ordinal, ordinals))
 
 
 def _diagnosis(row: Row[Any]) -> Diagnosis:

@@ -1,6 +1,5 @@
 """The log of changes. Every change appends its event in its own transaction."""
 
-import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -9,13 +8,11 @@ from sqlalchemy import Connection, func, select
 from service.model.event import Event
 from service.model.run import RunStatus
 from service.model.run_name import RunName
-from service.store.column_types import now
+from service.store.at_once import insert_each
 from service.store.reading.rows import noun_of
 from service.store.tables import events, is_there, sweeps
-from service.store.upkeep.copy_in import copy_in
 
 Change = Mapping[str, Any]
-COLUMNS = ("sweep_number", "kind", "payload", "created_at")
 
 
 def sweep_changed(sweep_number: int, sweep_id: str, change: str) -> Change:
@@ -45,9 +42,10 @@ def run_changed(
     return {"sweep_number": sweep_number, "kind": "run", "payload": payload}
 
 
-def measured(sweep_number: int, run: RunName, first: int, last: int) -> Change:
-    """Return the entry for new measurements of a run, from one timestep to another, inclusive."""
-    payload = {"sweep_id": run.sweep_id, "run_id": str(run), "from": first, "to": last}
+def measured(sweep_number: int, runs: Sequence[RunName], first: int, last: int) -> Change:
+    """Return the entry for new measurements of runs of a sweep, between timesteps, inclusive."""
+    run_ids = [str(run) for run in runs]
+    payload = {"sweep_id": runs[0].sweep_id, "run_ids": run_ids, "from": first, "to": last}
     return {"sweep_number": sweep_number, "kind": "measurements", "payload": payload}
 
 
@@ -64,20 +62,8 @@ def printed(sweep_number: int, sweep_id: str, runs: Sequence[RunName]) -> Change
 
 
 def append(connection: Connection, entries: Sequence[Change]) -> None:
-    """Append entries in their order; straight through the driver, which costs the least."""
-    if not entries:
-        return
-    rows = [
-        (entry["sweep_number"], entry["kind"], json.dumps(entry["payload"], allow_nan=False))
-        for entry in entries
-    ]
-    if connection.dialect.name == "sqlite":
-        clock = now().compile(dialect=connection.dialect)
-        insert = f"INSERT INTO events ({', '.join(COLUMNS)}) VALUES (?, ?, ?, {clock})"  # noqa: S608
-        connection.exec_driver_sql(insert, rows)
-    else:
-        created_at = connection.scalar(select(now()))
-        copy_in(connection, events, [(*row, created_at) for row in rows], COLUMNS)
+    """Append entries in their order."""
+    insert_each(connection, events, entries)
 
 
 def after(

@@ -9,6 +9,7 @@ from sqlalchemy import Connection, Row, ScalarSelect, Select, case, false, func,
 from algorithms.measurement import MEASURE_EVERY, Measurement
 from service.model.run import Run
 from service.model.run_name import RunName
+from service.store.at_once import among
 from service.store.reading import diagnostics
 from service.store.reading.rows import noun_of
 from service.store.reading.runs import named, run_of, select_runs
@@ -51,7 +52,7 @@ def _known(
     if not again:  # usually
         return set()
     query = select(measurements.c.run_number, measurements.c.timestep).where(
-        measurements.c.run_number.in_({number for number, _ in again}),
+        among(measurements.c.run_number, {number for number, _ in again}),
         measurements.c.timestep.between(min(t for _, t in again), max(t for _, t in again)),
     )
     return {(number, timestep) for number, timestep in connection.execute(query)}
@@ -65,30 +66,28 @@ def _latest(connection: Connection, numbers: Collection[int]) -> dict[int, int]:
         .correlate(runs)
         .scalar_subquery()
     )
-    query = select(runs.c.number, newest).where(runs.c.number.in_(numbers))
+    query = select(runs.c.number, newest).where(among(runs.c.number, numbers))
     return {number: step for number, step in connection.execute(query) if step is not None}
 
 
 def _insert(connection: Connection, fresh: Mapping[tuple[int, int], Measurement]) -> None:
     """Write rows straight through the driver, which takes a third of the time."""
-    set_numbers = {
-        names: diagnostics.set_number(connection, names)
-        for names in dict.fromkeys(tuple(each.diagnostics) for each in fresh.values())
-    }
+    names = [tuple(measurement.diagnostics) for measurement in fresh.values()]
+    set_numbers = {each: diagnostics.set_number(connection, each) for each in dict.fromkeys(names)}
     rows = [
         (
             number,
             timestep,
-            _nan_as_null(measurement.return_mean),
-            _nan_as_null(measurement.return_history),
+            None if math.isnan(measurement.return_mean) else measurement.return_mean,
+            None if math.isnan(measurement.return_history) else measurement.return_history,
             measurement.updates,
             measurement.jacobians,
-            _nan_as_null(measurement.seconds),
-            set_numbers[tuple(measurement.diagnostics)],
+            None if math.isnan(measurement.seconds) else measurement.seconds,
+            set_numbers[of_set],
             diagnostics.pack(measurement.diagnostics),
-            _nan_as_null(measurement.compile_seconds),
+            None if math.isnan(measurement.compile_seconds) else measurement.compile_seconds,
         )
-        for (number, timestep), measurement in fresh.items()
+        for ((number, timestep), measurement), of_set in zip(fresh.items(), names, strict=True)
     ]
     if connection.dialect.name == "sqlite":
         marks = ", ".join("?" for _ in COLUMNS)
@@ -96,10 +95,6 @@ def _insert(connection: Connection, fresh: Mapping[tuple[int, int], Measurement]
         connection.exec_driver_sql(into, rows)
     else:
         copy_in(connection, measurements, rows)
-
-
-def _nan_as_null(value: float) -> float | None:
-    return None if math.isnan(value) else value
 
 
 def of_run(connection: Connection, run_id: str) -> list[Measurement]:
@@ -141,7 +136,7 @@ def of_runs(
     points: dict[int, list[Measurement]] = {number: [] for number in found}
     measured = (
         select(measurements)
-        .where(measurements.c.run_number.in_(found))
+        .where(among(measurements.c.run_number, found))
         .order_by(measurements.c.run_number, measurements.c.timestep)
     )
     for row in connection.execute(measured):
@@ -164,7 +159,7 @@ def outlines(connection: Connection, run_ids: Sequence[str], points: int) -> dic
     }
     query = (
         select(measurements.c.run_number, measurements.c.return_mean)
-        .where(measurements.c.run_number.in_(ids))
+        .where(among(measurements.c.run_number, ids))
         .order_by(measurements.c.run_number, measurements.c.timestep)
     )
     values: dict[int, list[float]] = {}

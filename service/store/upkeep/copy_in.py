@@ -6,22 +6,17 @@ from typing import Any
 from sqlalchemy import Connection, Table
 from sqlalchemy.exc import DBAPIError
 
-TYPES = {"BIGINT": "int8", "DOUBLE PRECISION": "float8", "BYTEA": "bytea", "TEXT": "text"}
+TYPES = {"BIGINT": "int8", "DOUBLE PRECISION": "float8", "BYTEA": "bytea"}
 
 
-def copy_in(
-    connection: Connection,
-    table: Table,
-    rows: Sequence[tuple[Any, ...]],
-    names: Sequence[str] | None = None,
-) -> None:
-    """Write rows, of these columns or all in the table's order, in the transaction under way.
+def copy_in(connection: Connection, table: Table, rows: Sequence[tuple[Any, ...]]) -> None:
+    """Write rows, of all columns in the table's order, in the transaction under way.
 
     What the driver raises comes out as SQLAlchemy raises it: psycopg's COPY is not among the
     things that SQLAlchemy does itself.
     """
     driver = connection.dialect.loaded_dbapi
-    columns = [table.columns[name] for name in names or table.columns.keys()]
+    columns = list(table.columns)
     listed = ", ".join(column.name for column in columns)
     statement = f"COPY {table.name} ({listed}) FROM STDIN (FORMAT BINARY)"
     try:

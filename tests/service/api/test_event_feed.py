@@ -1,6 +1,7 @@
 """Streams of the event log: everything once and in order, resumable, cheap to keep open."""
 
 import asyncio
+import math
 from collections.abc import AsyncIterator, Awaitable, Callable
 from typing import Any
 
@@ -164,10 +165,10 @@ def test_a_database_that_fails_is_asked_again(
 
 def test_measurements_of_a_run_are_merged_under_the_first_id() -> None:
     events = [
-        event(1, "measurements", run_id="s-0", **{"from": 800, "to": 800}),
+        event(1, "measurements", run_ids=["s-0"], **{"from": 800, "to": 800}),
         event(2, "run", run_id="s-1", status="running"),
-        event(3, "measurements", run_id="s-1", **{"from": 800, "to": 1600}),
-        event(4, "measurements", run_id="s-0", **{"from": 1600, "to": 2400}),
+        event(3, "measurements", run_ids=["s-1"], **{"from": 800, "to": 1600}),
+        event(4, "measurements", run_ids=["s-0"], **{"from": 1600, "to": 2400}),
     ]
     messages = coalesce(events)
     assert [(each.id, each.kind) for each in messages] == [
@@ -177,6 +178,28 @@ def test_measurements_of_a_run_are_merged_under_the_first_id() -> None:
     ]
     assert messages[0].payload == {"sweep_id": "s", "run_id": "s-0", "from": 800, "to": 2400}
     assert messages[2].payload["to"] == 1600
+
+
+def test_a_stream_that_breaks_anywhere_hears_of_every_run() -> None:
+    """An event tells of several runs, in a message each; whoever had some of them has them all."""
+    events = [
+        event(1, "measurements", run_ids=["s-0", "s-1", "s-2"], **{"from": 800, "to": 800}),
+        event(2, "measurements", run_ids=["s-1", "s-3", "s-0"], **{"from": 1600, "to": 2400}),
+        event(3, "run", run_id="s-3", status="succeeded"),
+    ]
+    messages = coalesce(events)
+    assert [each.id for each in messages] == [0, 0, 1, 2, 3]
+    for heard in range(len(messages)):
+        position = messages[heard - 1].id if heard else 0
+        rest = coalesce([each for each in events if each.id > position])
+        told = [*messages[:heard], *rest]
+        for event_told in events[:2]:
+            for run_id in event_told.payload["run_ids"]:
+                spans = [m.payload for m in told if m.payload["run_id"] == run_id]
+                assert (
+                    min(each.get("from", math.inf) for each in spans) <= event_told.payload["from"]
+                )
+                assert max(each.get("to", -math.inf) for each in spans) >= event_told.payload["to"]
 
 
 def test_training_is_told_as_it_goes(store: Store) -> None:

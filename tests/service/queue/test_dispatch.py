@@ -407,3 +407,21 @@ def test_stopping_puts_runs_back_and_closes_the_pool(store: Store, pool: FakePoo
     assert pool.is_closed
     assert counts(store, sweep) == RunCounts(queued=2)
     assert run_of(store, sweep, 0).reason == "the service was stopped"
+
+
+def test_reports_are_gathered_the_longer_the_more_workers_there_are(
+    store: Store, clock: Clock
+) -> None:
+    times = DispatchTimes(round=0.0, gather=0.25, longest_gather=0.6)
+    for size, seconds in ((0, 0.0), (1, 0.25), (2, 0.5), (3, 0.6)):
+        pool = FakePool(size)
+        dispatcher = Dispatcher(store, pool, times, clock)
+        for _ in range(3):
+            dispatcher.work_round()
+        assert pool.gathered[-1] == seconds
+
+
+def test_a_few_workers_are_hardly_waited_for() -> None:
+    times = DispatchTimes()
+    assert times.gathering(16) < 0.005
+    assert times.gathering(10_000) == times.longest_gather <= times.round

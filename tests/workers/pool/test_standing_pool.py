@@ -1,16 +1,17 @@
 """The pool of a process that stands apart: found at its socket, and not believed blindly."""
 
 import json
+import queue
 import socket
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import pytest
 
 from workers.driver.outbox import GREETING
 from workers.driver.terms import Terms
-from workers.messages.report import Capacity, to_line
+from workers.messages.report import Capacity, Report, to_line
 from workers.pool import driven_pool
 from workers.pool.pool import PoolUnavailableError
 from workers.pool.standing_pool import StandingPool
@@ -72,6 +73,30 @@ def test_commands_and_reports_pass(pool: StandingPool, tmp_path: Path) -> None:
     pool.close()
     process.close()
     assert [json.loads(each).get("do") for each in process.told[1:]] == ["acknowledge", "close"]
+
+
+class OnTheWay(queue.SimpleQueue[Report | None]):
+    """Reports of which one is there, and each of the others once somebody waits for it."""
+
+    def __init__(self, reports: Iterable[Report | None]) -> None:
+        self._coming = iter(reports)
+        self.put(next(self._coming))
+
+    def get(self, block: bool = True, timeout: float | None = None) -> Report | None:
+        if self.empty() and timeout:
+            self.put(next(self._coming))
+        return super().get(block, timeout)
+
+
+def test_reports_on_the_way_are_gathered(pool: StandingPool) -> None:
+    first, second = Capacity(2, slots=0), Capacity(2, slots=2)
+    pool._reports = OnTheWay([first, second, None])
+    assert pool.reports(10.0) == [first]
+    assert pool.reports(10.0, gather_seconds=3600.0) == [second]
+    pool._reports = OnTheWay([first, second, None])
+    assert pool.reports(10.0, gather_seconds=3600.0) == [first, second]
+    with pytest.raises(PoolUnavailableError):  # the end was not lost
+        pool.reports(10.0, gather_seconds=3600.0)
 
 
 @pytest.mark.parametrize("line", [b"news worker-1 " + b"[" * 100_000, b"x" * 5000, b"nonsense"])

@@ -3,8 +3,9 @@
 from service.model.claim import Claim
 from service.model.run import RunStatus
 from service.model.sweep import RunCounts
-from service.store.claiming.claims import ALONE_AFTER
+from service.store.claiming.turns import ALONE_AFTER
 from service.store.store import Store
+from tests.service.promises import runs_of
 from tests.service.store.conftest import AT_ONCE, Submit, measured
 from workers.messages.progress import Progress
 from workers.messages.run_spec import COHORT_LIMIT, RunSpec, Weights
@@ -276,8 +277,8 @@ def test_what_many_workers_said_is_written_at_once(store: Store, submit: Submit)
     first, second = (claim.runs[0].run_id for claim in claims)
     assert store.measurements(first) == [measured(0, 800)]
     assert store.measurements(second) == [measured(0, 1600)]
-    told = [event.payload for event in store.events_after(0) if event.kind != "sweep"]
-    assert [entry.get("status", "measured") for entry in told if entry["run_id"] == second] == [
+    told = [event for event in store.events_after(0) if second in runs_of(event)]
+    assert [event.payload.get("status", "measured") for event in told] == [
         RunStatus.RUNNING,
         "measured",
         RunStatus.SUCCEEDED,

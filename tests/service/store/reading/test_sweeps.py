@@ -11,6 +11,7 @@ from service.model.run import RunStatus
 from service.model.sweep import RunCounts, SweepStatus
 from service.store.refusal import ImpossibleMoveError, NotFoundError
 from service.store.store import Store
+from tests.service.promises import runs_of
 from tests.service.store.conftest import Submit, measured
 from workers.messages.progress import Progress
 from workers.messages.run_spec import RunSpec, Weights
@@ -233,7 +234,8 @@ def test_every_change_has_its_event(store: Store, submit: Submit) -> None:
     store.record(claim, Progress(1600, dropped=(1,)))
     events = store.events_after(0, sweep.id)
     said = [
-        (event.kind, event.payload.get("run_id"), event.payload.get("status")) for event in events
+        (event.kind, "".join(runs_of(event)) or None, event.payload.get("status"))
+        for event in events
     ]
     assert said == [
         ("sweep", None, None),
@@ -245,7 +247,7 @@ def test_every_change_has_its_event(store: Store, submit: Submit) -> None:
     ]
     assert events[3].payload == {
         "sweep_id": sweep.id,
-        "run_id": f"{sweep.id}-0",
+        "run_ids": [f"{sweep.id}-0"],
         "from": 400,
         "to": 800,
     }

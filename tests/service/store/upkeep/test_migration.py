@@ -9,7 +9,7 @@ from sqlalchemy import inspect, select
 from service.model.request.entry import Entries
 from service.store.connection import connect
 from service.store.store import Store
-from service.store.tables import metadata, runs
+from service.store.tables import events, metadata, runs
 from service.store.upkeep import migration
 from tests.service.store.conftest import Submit, measured
 from workers.messages.progress import Progress
@@ -135,4 +135,28 @@ def test_what_was_submitted_before_there_were_users_is_the_administrators(
     again = Store.open(url)
     assert [sweep.owner for sweep in again.list_sweeps()] == ["admin"]
     assert (again.users(), again.shares(), again.sessions()) == ([], [], [])
+    again.close()
+
+
+def test_measurements_of_a_report_were_an_event_for_each_run(
+    store: Store, submit: Submit, url: str
+) -> None:
+    submit(seeds=2)
+    claim = store.claim_cohort("worker-1", 60.0)
+    assert claim is not None
+    store.record(claim, Progress(800, measurements=(measured(0, 800),)))
+    store.record(claim, Progress(1600, measurements=(measured(0, 1600), measured(1, 1600))))
+    before = store.events_after(0)
+    store.close()
+    engine = connect(url, "writer")
+    migration.downgrade(engine, "0015")
+    query = select(events.c.payload).where(events.c.kind == "measurements")
+    with engine.connect() as connection:
+        [older] = connection.scalars(query)
+    migration.upgrade(engine)
+    engine.dispose()
+    first = claim.runs[0].run_id
+    assert older == {"sweep_id": first[:-2], "run_id": first, "from": 800, "to": 800}
+    again = Store.open(url)
+    assert again.events_after(0) == before[:-1]
     again.close()

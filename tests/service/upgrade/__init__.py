@@ -1,0 +1,1 @@
+"""Data directories of releases, to be upgraded by the present code."""
