@@ -21,7 +21,7 @@ SHORTENED = ("README.md", "docs/training.md")
 ELSEWHERE = {
     "docs/add-a-learner.md": "tests/algorithms/test_add_a_learner.py",
     "docs/add-a-task.md": "tests/physics/test_add_a_task.py",
-    "docs/client.md": "tests/service/test_client.py",
+    "docs/client.md": "tests/service/client/test_client.py",
     "docs/walk-arm.md": "tests/docs/test_walks.py",
     "docs/walk-quadrotor.md": "tests/service/test_walk_quadrotor.py",
 }
