@@ -54,6 +54,8 @@ class EmptyPictures:
     """Draws nothing and plays nothing: what is drawn has tests of its own."""
 
     def call(self, function: str, *arguments: Any, is_wanted: Callable[[], bool]) -> Any:
+        if function.endswith(":picture"):
+            return {"styles": [], "frames": [[]], "views": [[0.0, 0.0, 1.0, 1.0]]}
         return None if "rollout" in function else b"a picture"
 
     def close(self) -> None:

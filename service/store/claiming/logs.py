@@ -3,20 +3,20 @@
 from collections.abc import Collection, Sequence
 from typing import Any
 
-from sqlalchemy import Connection, Row, tuple_, update
+from sqlalchemy import Connection, Row, select, update
 
 from service.model.run_name import RunName
 from service.store.reading import events
-from service.store.tables import attempts
+from service.store.tables import attempts, runs
 
 
 def note(connection: Connection, printed: Sequence[tuple[Collection[Row[Any]], str]]) -> None:
     """Keep the last lines of each worker with the attempts of the runs that it holds, and tell."""
+    of_now = select(runs.c.attempt).where(runs.c.number == attempts.c.run_number)
     for rows, text in printed:
-        of_cohort = tuple_(attempts.c.run_number, attempts.c.attempt).in_(
-            [(row.number, row.attempt) for row in rows]
-        )
-        connection.execute(update(attempts).where(of_cohort).values(log_tail=legible(text)))
+        of_cohort = attempts.c.run_number.in_([row.number for row in rows])
+        of_attempts = of_cohort & (attempts.c.attempt == of_now.scalar_subquery())
+        connection.execute(update(attempts).where(of_attempts).values(log_tail=legible(text)))
     events.append(connection, [_told(rows) for rows, _ in printed])
 
 

@@ -31,6 +31,7 @@ TO_SHARED = {
     ("GET", "/api/v1/sweeps"),
     ("GET", "/api/v1/events"),
     ("GET", "/api/v1/catalogue"),
+    ("GET", "/api/v1/environments/{environment:path}/picture"),
     ("GET", "/compare"),
     ("GET", "/favicon.ico"),
     ("POST", "/signout"),
@@ -110,9 +111,9 @@ def callers(peopled: FastAPI, there: dict[str, str]) -> Iterator[dict[str, TestC
 def filled(path: str, sweep: str) -> str:
     """A path with a sweep and its first run; other names are of nothing."""
     given = {"sweep_id": sweep, "run_id": f"{sweep}-0"}
-    for name in ("number", "form", "figure", "share_id", "session_id", "name"):
+    for name in ("number", "form", "figure", "share_id", "session_id", "name", "environment"):
         given[name] = "none"
-    return path.format(**given)
+    return path.replace(":path}", "}").format(**given)
 
 
 def status(client: TestClient, method: str, path: str, headers: Any = None) -> int:
