@@ -1,5 +1,10 @@
 """Claims: who is next, and what a claim protects."""
 
+from collections.abc import Callable
+from functools import partial
+
+from sqlalchemy import event
+
 from service.model.claim import Claim
 from service.model.run import RunStatus
 from service.model.sweep import RunCounts
@@ -7,7 +12,7 @@ from service.store.claiming.turns import ALONE_AFTER
 from service.store.store import Store
 from tests.service.promises import runs_of
 from tests.service.store.conftest import AT_ONCE, Submit, measured
-from workers.messages.progress import Progress
+from workers.messages.progress import Progress, Resumption
 from workers.messages.run_spec import COHORT_LIMIT, RunSpec, Weights
 
 LEASE = 60.0
@@ -298,6 +303,58 @@ def test_a_claim_that_was_given_up_spoils_none_of_the_others(store: Store, submi
     assert held == [set(), {run.run_id for run in other.runs}]
     assert store.measurements(current.runs[0].run_id) == []
     assert store.measurements(other.runs[0].run_id) == [point]
+
+
+def statements(store: Store, work: Callable[[], object]) -> int:
+    """How many the writer sends while the work is done."""
+    sent: list[str] = []
+
+    def note(*told: object) -> None:
+        sent.append(str(told[2]))
+
+    event.listen(store._writer_engine, "before_cursor_execute", note)
+    work()
+    event.remove(store._writer_engine, "before_cursor_execute", note)
+    return len(sent)
+
+
+def test_many_workers_are_served_by_as_many_statements_as_two(store: Store, submit: Submit) -> None:
+    submit(seeds=64, environments=("Pendulum", "MassPoint"))
+    claims: dict[int, list[Claim]] = {}
+
+    def claim(workers: int) -> None:
+        asked = [(f"worker-{number}", 4) for number in range(workers)]
+        claims[workers] = [each for each in store.claim_all(asked, LEASE) if each is not None]
+
+    def report(workers: int, timestep: int, *, is_over: bool = False) -> None:
+        said = []
+        for claim in claims[workers]:
+            seeds = tuple(run.spec.seed for run in claim.runs)
+            points = tuple(measured(seed, timestep) for seed in seeds)
+            resumed = () if is_over else tuple(Resumption(seed, 0) for seed in seeds)
+            said.append(
+                (
+                    claim,
+                    Progress(
+                        timestep,
+                        measurements=points,
+                        finished=seeds if is_over else (),
+                        resumed=resumed,
+                        fingerprint={"cpu": "x"} if resumed else {},
+                    ),
+                )
+            )
+        store.record_all(said)
+
+    claim(1)
+    report(1, 800)  # the diagnostics' names are written once
+    for work in (
+        claim,
+        partial(report, timestep=800),
+        partial(report, timestep=1600, is_over=True),
+    ):
+        assert statements(store, partial(work, 2)) == statements(store, partial(work, 8))
+    assert [len(each) for each in claims.values()] == [1, 2, 8]
 
 
 def test_no_more_runs_that_wait_are_counted_than_asked(store: Store, submit: Submit) -> None:
