@@ -26,7 +26,6 @@ from service.cli.host import db, demo
 from service.cli.host.doctor import doctor
 from service.cli.host.serving import serve
 from service.cli.listing import ls, show
-from service.cli.logs import logs
 from service.cli.moving import command_of
 from service.cli.people import sessions, shares, users
 from service.cli.people.sessions import signin
@@ -34,6 +33,7 @@ from service.cli.people.shares import share
 from service.cli.results.diagnosing import diagnose
 from service.cli.results.drawing import figure
 from service.cli.results.exporting import export, plot, table
+from service.cli.results.logs import logs
 from service.cli.results.policies import policy
 from service.cli.results.rolling import rollout
 from service.cli.results.verifying import verify

@@ -3,7 +3,8 @@
 The next batch is a pure function of the runs that have ended (`service/analysis/question`). Nothing
 is remembered here: a service that is killed at any moment asks for the same seeds again, and the
 store writes them once, and only of what the sweep still is
-(`service/store/claiming/question_batches.py`). Searches climb in `service/queue/search_rounds.py`.
+(`service/store/claiming/inquiry/question_batches.py`). Searches climb in
+`service/queue/search_rounds.py`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,7 +17,7 @@ from service.model.request.entry import Entries
 from service.model.sweep import Sweep
 from service.queue.rounds import Rounds
 from service.queue.search_rounds import next_rung
-from service.store.claiming.question_batches import Cell
+from service.store.claiming.inquiry.question_batches import Cell
 from service.store.store import Store
 
 ROUND_SECONDS = 0.5

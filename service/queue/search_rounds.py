@@ -2,7 +2,7 @@
 
 As with questions, nothing is remembered here. The next rung is a pure function of what was planned
 and of what the runs have measured (`service/analysis/halving.py`), and the store writes it once
-(`service/store/claiming/search_rungs.py`).
+(`service/store/claiming/inquiry/search_rungs.py`).
 """
 
 import json
@@ -14,7 +14,7 @@ from service.model.inquiry.search import Search
 from service.model.request.entry import Entries
 from service.model.run_curve import RunCurve
 from service.model.sweep import Sweep
-from service.store.claiming.question_batches import Cell
+from service.store.claiming.inquiry.question_batches import Cell
 from service.store.store import Store
 from workers.messages.run_spec import RunSpec, Weights
 

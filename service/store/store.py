@@ -32,13 +32,12 @@ from service.store.claiming import (
     deletion,
     endings,
     growth,
-    question_batches,
     run_moves,
-    search_rungs,
     sweep_edits,
     sweep_moves,
     webhooks,
 )
+from service.store.claiming.inquiry import question_batches, search_rungs
 from service.store.claiming.retry import RetryPolicy
 from service.store.connection import connect
 from service.store.reader import Reader

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from service.cli.logs import added
+from service.cli.results.logs import added
 from service.client import Client
 from service.store.store import Store
 from tests.service.cli.conftest import Command, as_json

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from sqlalchemy import ColumnElement, Connection, and_, func, select
 
 from service.store.claiming.growth import lengthen
-from service.store.claiming.question_batches import Cell, close_round, waiting_sweep
+from service.store.claiming.inquiry.question_batches import Cell, close_round, waiting_sweep
 from service.store.tables import runs
 
 
