@@ -16,7 +16,6 @@ from typing import Any
 from sqlalchemy import (
     ARRAY,
     BigInteger,
-    Boolean,
     ColumnElement,
     Connection,
     Dialect,
@@ -59,9 +58,12 @@ class Numbers(TypeDecorator[Collection[int]]):
 
 
 class among(FunctionElement[bool]):  # noqa: N801  (reads as the condition it is)
-    """The condition that a column of integers has one of these values."""
+    """The condition that a column of integers has one of these values.
 
-    type = Boolean()
+    It has no type: SQLAlchemy compares a function that is a Boolean with 1 on SQLite, which then
+    uses no index for it.
+    """
+
     inherit_cache = True
 
     def __init__(self, compared: ColumnElement[int], numbers: Collection[int]) -> None:

@@ -1,5 +1,7 @@
 """Statements about many rows at once: the same on every database, and prepared once."""
 
+from pathlib import Path
+
 import pytest
 from sqlalchemy import Connection, event, func, select
 
@@ -23,6 +25,20 @@ def test_rows_are_picked_by_any_number_of_numbers(
     query = select(func.count()).where(~among(runs.c.ordinal, picked))
     left = store.read(lambda connection: connection.scalar(query))
     assert left == sum(each not in picked for each in range(4))
+
+
+def test_rows_are_found_by_their_key_and_not_one_after_the_other(tmp_path: Path) -> None:
+    """SQLite uses no index for a condition that is compared with 1."""
+    store = Store.open(f"sqlite:///{tmp_path / 'd3pg.sqlite'}")
+    query = select(runs.c.reason).where(among(runs.c.number, [1, 3]))
+
+    def plan(connection: Connection) -> list[str]:
+        text = str(query.compile(connection, compile_kwargs={"render_postcompile": True}))
+        explained = connection.exec_driver_sql(f"EXPLAIN QUERY PLAN {text}", ("[1, 3]",))
+        return [row.detail for row in explained]
+
+    assert store.read(plan)[0] == "SEARCH runs USING INTEGER PRIMARY KEY (rowid=?)"
+    store.close()
 
 
 def test_each_row_is_updated_to_what_it_is_told(store: Store, submit: Submit) -> None:
