@@ -43,8 +43,9 @@ class Reacher(MujocoTask):
     @staticmethod
     def measure(model: Any, data: Any) -> FloatArray:
         """d."""
-        tip, target = model.body("fingertip").id, model.body("target").id
-        difference: FloatArray = data.xpos[tip] - data.xpos[target]
+        del model
+        tip, target = data.xpos[-2:]  # the last two bodies; looking them up by name takes longer
+        difference: FloatArray = tip - target
         return difference
 
     def start(self, generator: np.random.Generator) -> FloatArray:
