@@ -5,7 +5,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from algorithms.measurement import Measurement
+from service.client import Client
 from service.store.store import Store
+from tests.service.conftest import SWEEP
 from workers.messages.progress import Progress
 from workers.messages.random_return import RandomReturn
 from workers.messages.run_spec import RunSpec
@@ -33,6 +35,15 @@ def train(store: Store, points: int, value: Value, *, finish: bool = True) -> in
         store.record(claim, Progress(EVERY * points, measurements=measurements, finished=finished))
         runs += len(claim.runs)
     return runs
+
+
+def trained_sweep(service: Client, store: Store) -> str:
+    """Submit the sweep that tests share, train it to its end, and return its id."""
+    for environment in ("MassPoint", "Pendulum"):
+        store.record_random_return(random_return(environment, RANDOM))
+    sweep = service.submit(SWEEP).id
+    train(store, 5, rising)
+    return sweep
 
 
 def measured(spec: RunSpec, timestep: int, value: float) -> Measurement:

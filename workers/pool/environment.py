@@ -15,6 +15,11 @@ def without_secrets(variables: Mapping[str, str]) -> dict[str, str]:
     return {name: value for name, value in variables.items() if not name.startswith(SECRETIVE)}
 
 
+def without_ray_token(variables: Mapping[str, str]) -> dict[str, str]:
+    """Return an environment that names no token of Ray's."""
+    return {name: value for name, value in variables.items() if name not in TOKEN_VARIABLES}
+
+
 def pool_environment(ray_address: str, data_dir: Path) -> dict[str, str]:
     """Return the environment of the process: ours, less the service's settings, plus Ray's needs.
 
@@ -39,12 +44,11 @@ def pool_environment(ray_address: str, data_dir: Path) -> dict[str, str]:
         NUMBA_NUM_THREADS="1",
     )
     if not ray_address:
+        environment = without_ray_token(environment)
         environment["RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER"] = "0"
         environment["RAY_health_check_period_ms"] = "1000"
         environment["RAY_health_check_timeout_ms"] = "3000"
         environment["RAY_health_check_failure_threshold"] = "5"
-        for variable in TOKEN_VARIABLES:
-            environment.pop(variable, None)
     if not set(TOKEN_VARIABLES) & set(environment):
         environment["RAY_AUTH_TOKEN_PATH"] = str(_token_file(data_dir))
     source = Path(__file__).resolve().parents[2]

@@ -19,7 +19,7 @@ from multiprocessing.connection import Connection
 from pkgutil import resolve_name
 from typing import Any, Protocol
 
-from workers.pool.environment import TOKEN_VARIABLES, without_secrets
+from workers.pool.environment import without_ray_token, without_secrets
 
 MOST_WAITING = 16
 WAITING_SECONDS = 30.0
@@ -141,9 +141,7 @@ class SideProcess:
 
 def started(pipe: Connection) -> "subprocess.Popen[bytes]":
     """Start the process at the other end, which finds modules where this one does."""
-    environment = without_secrets(os.environ)
-    for name in TOKEN_VARIABLES:
-        environment.pop(name, None)
+    environment = without_ray_token(without_secrets(os.environ))
     environment["PYTHONPATH"] = os.pathsep.join(filter(None, sys.path))
     return subprocess.Popen(  # noqa: S603  (our own interpreter and module)
         [sys.executable, "-m", __name__, str(pipe.fileno())],

@@ -63,9 +63,10 @@ def planned_search(request: SweepRequest, cells: Cells) -> Search | None:
             "as many, or fewer timesteps to the longest runs, or fewer entries"
         )
         raise InvalidRequest([Fault("search.budget", message, least)])
-    affordable = min(asked.budget // cost, MAX_RUNS // len(cells), len(SEARCHES))
-    given = request.seeds
-    seeds = search_seeds(affordable) if isinstance(given, int) else tuple(given)
+    if isinstance(request.seeds, int):
+        seeds = search_seeds(min(asked.budget // cost, MAX_RUNS // len(cells), len(SEARCHES)))
+    else:
+        seeds = tuple(request.seeds)
     return Search(asked.budget, asked.reduction, asked.score, seeds, rungs)
 
 

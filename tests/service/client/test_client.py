@@ -22,7 +22,7 @@ from tests.docs.pages import ROOT, blocks
 from tests.service.certificate import self_signed
 from tests.service.conftest import SWEEP, TOKEN, changed
 from tests.service.served import served
-from tests.service.training import RANDOM, random_return, rising, train
+from tests.service.training import RANDOM, random_return, rising, train, trained_sweep
 from workers.messages.progress import Progress
 
 
@@ -35,11 +35,7 @@ def service(app: FastAPI) -> Iterator[Client]:
 
 @pytest.fixture
 def trained(service: Client, store: Store) -> str:
-    for environment in ("MassPoint", "Pendulum"):
-        store.record_random_return(random_return(environment, RANDOM))
-    sweep = service.submit(SWEEP).id
-    train(store, 5, rising)
-    return sweep
+    return trained_sweep(service, store)
 
 
 def test_it_loads_neither_numba_nor_torch_nor_ray() -> None:

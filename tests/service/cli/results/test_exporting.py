@@ -12,19 +12,14 @@ import pytest
 from service.client import Client
 from service.store.store import Store
 from tests.service.cli.conftest import Command, as_json
-from tests.service.conftest import SWEEP, changed
-from tests.service.training import RANDOM, measured, random_return, rising, train
+from tests.service.conftest import changed
+from tests.service.training import RANDOM, measured, random_return, rising, train, trained_sweep
 from workers.messages.progress import Progress
 
 
 @pytest.fixture
 def trained(service: Client, store: Store) -> str:
-    """A sweep whose first seeds' losses are not finite."""
-    for environment in ("MassPoint", "Pendulum"):
-        store.record_random_return(random_return(environment, RANDOM))
-    sweep = service.submit(SWEEP).id
-    train(store, 5, rising)
-    return sweep
+    return trained_sweep(service, store)
 
 
 def test_every_measurement_is_a_line(d3pg: Command, service: Client, trained: str) -> None:
