@@ -68,5 +68,5 @@ def next_batch(store: Store, sweep: Sweep) -> Batch:
 def pairs_of(store: Store, sweep: Sweep, question: Question) -> list[Pairs]:
     """Return the pairs of a sweep's comparisons, as its runs stand."""
     x = "timesteps" if question.threshold is None else "seconds"
-    curves = store.curve_points(sweep.id, "return_mean", x)
+    [curves] = store.curves(sweep.id, ["return_mean"], x)
     return all_pairs(curves, Entries(sweep.request), question, store.random_returns(), best_return)

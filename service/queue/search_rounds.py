@@ -26,7 +26,7 @@ Setting = tuple[str, str, Weights, str]
 
 def next_rung(store: Store, sweep: Sweep, search: Search) -> Rung:
     """Return the timesteps that the cells of a search are to have."""
-    curves = store.curve_points(sweep.id, "return_mean")
+    [curves] = store.curves(sweep.id, ["return_mean"])
     entries = Entries(sweep.request)
     places = {entry.label: entry.place for entry in entries.all}
     climbed = _ladders(store, curves, entries, search)
@@ -35,7 +35,7 @@ def next_rung(store: Store, sweep: Sweep, search: Search) -> Rung:
 
 def ladders_of(store: Store, sweep: Sweep, search: Search) -> list[Ladder]:
     """Return how far the entries of a search have climbed, as its runs stand."""
-    curves = store.curve_points(sweep.id, "return_mean")
+    [curves] = store.curves(sweep.id, ["return_mean"])
     return _ladders(store, curves, Entries(sweep.request), search)
 
 

@@ -24,6 +24,7 @@ from sqlalchemy.exc import DBAPIError
 
 from service.metrics import MEASUREMENTS
 from service.model.claim import CellLimit, Claim, no_limit
+from service.model.run_curve import RunCurve
 from service.store import people, records
 from service.store.claiming import (
     bulk,
@@ -40,6 +41,7 @@ from service.store.claiming import (
 from service.store.claiming.inquiry import question_batches, search_rungs
 from service.store.claiming.retry import RetryPolicy
 from service.store.connection import connect
+from service.store.curve_memory import CurveMemory
 from service.store.reader import Reader
 from service.store.reading import (
     costs,
@@ -60,6 +62,8 @@ from service.store.upkeep.migration import upgrade
 from service.store.writer import Writer
 from workers.messages.progress import Progress
 from workers.messages.run_spec import COHORT_LIMIT
+
+MOST_CURVE_BYTES = 100_000_000
 
 P = ParamSpec("P")
 Result = TypeVar("Result")
@@ -98,6 +102,7 @@ class Store:
         self._reader = Reader(reader_engine)
         self._retry = retry
         self._writer = Writer(writer_engine)
+        self._curve_memory = CurveMemory(MOST_CURVE_BYTES)
 
     @classmethod
     def open(cls, url: str | URL, retry: RetryPolicy | None = None) -> Self:
@@ -259,7 +264,20 @@ class Store:
 
     measurements = _reads(measured.of_run)
     sweep_measurements = _reads(measured.of_runs)
-    curve_points = _reads(curves.curves)
+
+    def curves(
+        self,
+        sweep_id: str,
+        metrics: Sequence[str],
+        x: str = "timesteps",
+        ordinal: int | None = None,
+        *,
+        only_ends: bool = False,
+    ) -> list[list[RunCurve]]:
+        """Return each metric of every run of a sweep (service.store.reading.curves)."""
+        kept = self._curve_memory
+        return self.read(curves.curves, kept, sweep_id, metrics, x, ordinal, only_ends=only_ends)
+
     return_outlines = _reads(measured.outlines)
     diagnostic_names = _reads(measured.diagnostic_names)
     record_random_return = _writes(zeros.put)

@@ -10,10 +10,9 @@ import struct
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
-from sqlalchemy import Connection, insert, select
+from sqlalchemy import ColumnElement, Connection, LargeBinary, func, insert, select
 
-from service.store.tables import diagnostic_sets
+from service.store.tables import diagnostic_sets, measurements
 
 FLOAT64 = np.dtype("<f8")
 
@@ -28,10 +27,10 @@ def unpack(names: Sequence[str], packed: bytes) -> dict[str, float]:
     return dict(zip(names, np.frombuffer(packed, FLOAT64).tolist(), strict=True))
 
 
-def column(names: Sequence[str], name: str, packed: Sequence[bytes]) -> NDArray[np.float64]:
-    """Return one diagnostic of many measurements of one set, float64 [n]."""
-    table = np.frombuffer(b"".join(packed), FLOAT64).reshape(len(packed), len(names))
-    return table[:, names.index(name)].astype(np.float64)
+def value_at(place: int) -> ColumnElement[bytes]:
+    """Return, as SQL, the bytes of the diagnostic at that place of its set."""
+    size = FLOAT64.itemsize
+    return func.substr(measurements.c.diagnostics, size * place + 1, size, type_=LargeBinary)
 
 
 def set_number(connection: Connection, names: Sequence[str]) -> int:

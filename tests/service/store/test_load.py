@@ -51,7 +51,7 @@ class Load:
             sweeps = self.store.list_sweeps(limit=20)
             for sweep in sweeps[:2]:
                 self.store.list_runs(sweep.id)
-                self.store.curve_points(sweep.id, "return_mean")
+                self.store.curves(sweep.id, ["return_mean"])
             self.store.events_after(max(0, self.store.last_event_id() - 100))
             self.reads += 1
             time.sleep(0.2)

@@ -1,5 +1,6 @@
 """Curves of a sweep, or of several as one: what its figures are drawn from too."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Annotated
 
@@ -115,28 +116,38 @@ def compared(store: Store, sweep: Compared, view: View, run: int | None = None) 
 
     Raises InvalidRequest for what cannot be shown, ImpossibleMove as `run_curves`.
     """
+    [comparison] = compared_by(store, sweep, [view], run)
+    return comparison
+
+
+def compared_by(
+    store: Store, sweep: Compared, views: Sequence[View], run: int | None = None
+) -> list[Comparison]:
+    """Return what `compared` says for each view; they have one abscissa, and are read together."""
     if run is not None and len(sweep.sweeps) > 1:
         raise InvalidRequest([Fault("run", "is the number of a run of one sweep, not of several")])
-    _refuse_metric(store, sweep, view)
-    runs = run_curves(store, sweep, view.metric, view.x, run)
-    return compare(runs, sweep.entries, view, store.random_returns(), best_return)
+    for view in views:
+        _refuse_metric(store, sweep, view)
+    curves = run_curves(store, sweep, [view.metric for view in views], views[0].x, run)
+    return [
+        compare(of_view, sweep.entries, view, store.random_returns(), best_return)
+        for view, of_view in zip(views, curves, strict=True)
+    ]
 
 
 def run_curves(
     store: Store,
     sweep: Compared,
-    metric: str,
+    metrics: Sequence[str],
     x: str = "timesteps",
     run: int | None = None,
     *,
     only_ends: bool = False,
-) -> list[RunCurve]:
-    """Return a metric of every run, or its end. ImpossibleMove where they cannot be compared."""
-    own = [
-        store.curve_points(each.id, metric, x, run, only_ends=only_ends) for each in sweep.sweeps
-    ]
+) -> list[list[RunCurve]]:
+    """Return each metric of every run, or its end. ImpossibleMove if runs cannot be compared."""
+    own = [store.curves(each.id, metrics, x, run, only_ends=only_ends) for each in sweep.sweeps]
     try:
-        return sweep.joined(own)
+        return [sweep.joined(of_metric) for of_metric in zip(*own, strict=True)]
     except ValueError as error:
         raise ImpossibleMove(f"{error}.") from error
 

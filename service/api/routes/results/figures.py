@@ -24,7 +24,7 @@ from service.api.refusals.problems import (
     ServiceBusy,
 )
 from service.api.revalidation import REVALIDATED, RevalidatedRoute
-from service.api.routes.results.curves import BandQuery, compared
+from service.api.routes.results.curves import BandQuery, compared_by
 from service.api.schemas.figure_query import FigureQuery
 from service.model.compared import Compared
 from service.model.sweep import Sweep
@@ -93,7 +93,7 @@ def _asked_rows(store: Store, sweep: Compared, query: FigureQuery) -> list[Compa
         max_points=query.max_points,
     )
     views = [replace(bands.view(metric), with_seeds=query.seeds) for metric in query.metric]
-    rows = [compared(store, sweep, view) for view in views]
+    rows = compared_by(store, sweep, views)
     if faults := list(query.faults(rows[0])):
         raise InvalidRequest(faults)
     return rows
@@ -148,14 +148,11 @@ def _paper_rows(
     """Return a figure and its comparisons. Raises NotFound, InvalidRequest for too many curves."""
     figure = PAPER[number]
     views = [BandQuery(normalized=figure.normalized).view(metric) for metric in figure.metrics]
-    rows = [
-        compared(
-            store,
-            Compared([sweep]),
-            replace(view, algorithms=figure.algorithms, environment=figure.environment),
-        )
+    views = [
+        replace(view, algorithms=figure.algorithms, environment=figure.environment)
         for view in views
     ]
+    rows = compared_by(store, Compared([sweep]), views)
     if not rows[0].panels:
         where = f" on {figure.environment}" if figure.environment else ""
         raise NotFound(

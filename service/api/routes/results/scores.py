@@ -143,8 +143,9 @@ def statistics_of(
     _refuse_unknown(reference, [entry.label for entry in sweep.entries.all])
     cells = scores_of(store, sweep, score, normalized=True)
     _refuse_too_many(cells)
+    [curves] = run_curves(store, sweep, ["return_mean"])
     differences = paired_differences(
-        run_curves(store, sweep, "return_mean"),
+        curves,
         sweep.entries,
         store.random_returns(),
         best_return,
@@ -176,8 +177,10 @@ def get_search(sweep: TheSweep, store: TheStore) -> SearchAnswer:
 
 def scores_of(store: Store, sweep: Compared, score: Score, *, normalized: bool) -> list[CellScores]:
     """Return the scores of all cells. Raises ImpossibleMove as `run_curves`."""
+    kind = SCORES[score]
+    [curves] = run_curves(store, sweep, [kind.metric], only_ends=kind.of_end)
     return sweep_scores(
-        run_curves(store, sweep, SCORES[score].metric, only_ends=SCORES[score].of_end),
+        curves,
         sweep.entries,
         score,
         store.random_returns(),

@@ -6,9 +6,9 @@ from scipy import stats
 
 from service.analysis.statistics.stratified_bootstrap import (
     RESAMPLES,
-    Draws,
     draw_counts,
     estimate,
+    kept_counts,
 )
 
 
@@ -20,23 +20,22 @@ def test_each_resample_has_as_many_runs() -> None:
 
 
 def test_draws_are_the_same_each_time_and_differ_by_task() -> None:
-    first = Draws(most_bytes=0).counts(5, 0)
-    assert np.array_equal(Draws(most_bytes=2**20).counts(5, 0), first)
-    assert np.array_equal(draw_counts(5, 0), first.astype(np.float64))
+    kept_counts.clear()
+    first = draw_counts(5, 0)
+    assert np.array_equal(draw_counts(5, 0), first), "kept"
+    kept_counts.clear()
+    assert np.array_equal(draw_counts(5, 0), first), "drawn again"
     assert not np.array_equal(draw_counts(5, 1), first)
 
 
-def test_no_more_is_kept_than_was_said_and_the_oldest_go_first() -> None:
-    each = RESAMPLES * 5 * 2
-    draws = Draws(most_bytes=2 * each)
-    kept = [draws.counts(5, stratum) for stratum in range(2)]
-    assert draws.counts(5, 0) is kept[0]
-    draws.counts(5, 2)
-    assert draws.bytes == 2 * each
-    assert draws.counts(5, 0) is kept[0]
-    assert draws.counts(5, 1) is not kept[1], "it was used last before the others"
-    draws.counts(1000, 0)
-    assert draws.bytes <= 2 * each
+def test_no_more_is_kept_than_was_said() -> None:
+    kept_counts.clear()
+    of_a_run = RESAMPLES * 2
+    runs = int(kept_counts.maxsize) // of_a_run // 3
+    for stratum in range(5):
+        draw_counts(runs, stratum)
+        assert kept_counts.currsize == min(stratum + 1, 3) * runs * of_a_run
+    kept_counts.clear()
 
 
 def test_the_interval_of_a_mean_is_scipys() -> None:

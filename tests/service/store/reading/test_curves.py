@@ -29,7 +29,7 @@ def test_curves_are_columns_of_every_run(store: Store, submit: Submit) -> None:
         ("return_history", [m.return_history for m in taken]),
         ("critic_loss", [m.diagnostics["critic_loss"] for m in taken]),
     ):
-        curves = store.curve_points(sweep.id, metric)
+        [curves] = store.curves(sweep.id, [metric])
         assert [curve.values.tolist() for curve in curves] == [[], expected, []]
     assert [curve.spec.seed for curve in curves] == [0, 1, 2]
     assert [curve.status for curve in curves] == ["running", "running", "queued"]
@@ -40,11 +40,11 @@ def test_curves_are_columns_of_every_run(store: Store, submit: Submit) -> None:
         ("seconds", [0.8, 1.6, 2.4]),
     )
     for x, places in abscissae:
-        assert store.curve_points(sweep.id, "return_mean", x)[1].x.tolist() == places
-    assert store.curve_points(sweep.id, "no such metric")[1].values.tolist() == []
-    assert store.curve_points("no sweep", "return_mean") == []
+        assert store.curves(sweep.id, ["return_mean"], x)[0][1].x.tolist() == places
+    assert store.curves(sweep.id, ["no such metric"])[0][1].values.tolist() == []
+    assert store.curves("no sweep", ["return_mean"]) == [[]]
     with pytest.raises(ValueError, match="timesteps, updates, jacobians, seconds"):
-        store.curve_points(sweep.id, "return_mean", "days")
+        store.curves(sweep.id, ["return_mean"], "days")
 
 
 def test_runs_may_measure_different_diagnostics(store: Store, submit: Submit) -> None:
@@ -63,9 +63,9 @@ def test_runs_may_measure_different_diagnostics(store: Store, submit: Submit) ->
         ),
     )
     assert store.diagnostic_names(sweep.id) == ["a", "b", "c"]
-    assert [c.values.tolist() for c in store.curve_points(sweep.id, "b")] == [[math.inf], [2.0]]
-    assert [c.x.tolist() for c in store.curve_points(sweep.id, "b")] == [[800.0], [800.0]]
-    [_, third] = store.curve_points(sweep.id, "c")
+    assert [c.values.tolist() for c in store.curves(sweep.id, ["b"])[0]] == [[math.inf], [2.0]]
+    assert [c.x.tolist() for c in store.curves(sweep.id, ["b"])[0]] == [[800.0], [800.0]]
+    [[_, third]] = store.curves(sweep.id, ["c"])
     assert np.isnan(third.values).tolist() == [True]
 
 
@@ -83,7 +83,7 @@ def test_every_point_of_a_sweep_is_read(store: Store) -> None:
     while (claim := store.claim_cohort("w", LEASE)) is not None:
         store.record(claim, Progress(49_600, measurements=points, finished=tuple(range(16))))
     for metric in ("return_mean", "critic_loss"):
-        curves = store.curve_points(sweep.id, metric)
+        [curves] = store.curves(sweep.id, [metric])
         assert sum(len(curve.values) for curve in curves) == 62 * len(specs)
 
 
@@ -108,18 +108,18 @@ def uneven(store: Store, submit: Submit) -> str:
 def test_curves_do_not_depend_on_how_many_points_are_read_at_once(
     store: Store, uneven: str, monkeypatch: pytest.MonkeyPatch, metric: str, x: str
 ) -> None:
-    whole = store.curve_points(uneven, metric, x)
+    [whole] = store.curves(uneven, [metric], x)
     assert [len(curve.values) for curve in whole] == [10, 10, 2, 2, 0]
     for points in (1, 12, 25):
         monkeypatch.setattr(module, "POINTS_AT_ONCE", points)
-        for one, other in zip(store.curve_points(uneven, metric, x), whole, strict=True):
+        for one, other in zip(store.curves(uneven, [metric], x)[0], whole, strict=True):
             assert one.run_id == other.run_id
             np.testing.assert_array_equal(one.x, other.x)
             np.testing.assert_array_equal(one.values, other.values)
 
 
 def test_runs_that_were_measured_at_the_same_places_share_them(store: Store, uneven: str) -> None:
-    first, second, third, *_ = store.curve_points(uneven, "return_mean")
+    first, second, third, *_ = store.curves(uneven, ["return_mean"])[0]
     assert first.x is second.x
     assert first.x is not third.x
 
@@ -130,8 +130,8 @@ def test_a_score_of_the_end_has_the_same_bits_with_the_ends_alone(
 ) -> None:
     kind = SCORES[score]  # type: ignore[index]
     assert kind.of_end
-    whole = store.curve_points(uneven, kind.metric)
-    ends = store.curve_points(uneven, kind.metric, only_ends=True)
+    [whole] = store.curves(uneven, [kind.metric])
+    [ends] = store.curves(uneven, [kind.metric], only_ends=True)
     assert [len(curve.values) for curve in ends] == [1, 1, 1, 1, 0]
     for run, end in list(zip(whole, ends, strict=True))[:4]:
         own = kind.of(run.x, run.values, run.spec.timesteps)

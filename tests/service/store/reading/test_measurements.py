@@ -59,7 +59,7 @@ def test_every_number_comes_back_as_it_was(
         bits(value) for value in diagnostics.values()
     ]
     sweep_id = claim.runs[0].run_id.partition("-")[0]
-    [curve] = store.curve_points(sweep_id, "return_mean")
+    [[curve]] = store.curves(sweep_id, ["return_mean"])
     assert bits(curve.values[0]) == bits(numbers[0])
     store.record(claim, Progress(800, finished=(0,)))
 
