@@ -2,13 +2,17 @@
 
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 import pytest
 import yaml
 
+from service.address import public_of
 from service.settings import Settings
 
-MANIFEST = Path(__file__).parents[2] / "docker" / "kuberay.yaml"
+FOLDER = Path(__file__).parents[2] / "docker"
+MANIFEST = FOLDER / "kuberay.yaml"
+README = FOLDER / "README.md"
 DOCUMENTS: list[dict[str, Any]] = list(yaml.safe_load_all(MANIFEST.read_text()))
 CLUSTER = next(each for each in DOCUMENTS if each["kind"] == "RayCluster")["spec"]
 SERVICE = next(each for each in DOCUMENTS if each["kind"] == "Deployment")["spec"]
@@ -87,6 +91,16 @@ def test_every_volume_mounted_is_there(name: str) -> None:
 def test_the_variables_named_are_settings() -> None:
     named = {each["name"] for each in SERVING["service"]["env"] if each["name"].startswith("D3PG_")}
     assert named <= {f"D3PG_{name.upper()}" for name in Settings.model_fields}
+
+
+def test_the_service_is_found_where_the_readme_forwards_its_port() -> None:
+    env = {each["name"]: each.get("value") for each in SERVING["service"]["env"]}
+    address = public_of(str(env["D3PG_PUBLIC_URL"]))
+    port = address.origin.rpartition(":")[2]
+    assert f"port-forward service/d3pg {port}:80" in README.read_text()
+    for probe in ("readinessProbe", "livenessProbe"):
+        [header] = SERVING["service"][probe]["httpGet"]["httpHeaders"]
+        assert header == {"name": "Host", "value": urlsplit(address.origin).hostname}
 
 
 def test_nothing_is_reached_from_outside_the_cluster() -> None:
