@@ -6,11 +6,16 @@ a local Ray has trained. Needs root, for the networks.
 """
 
 import os
+import random
 import secrets
+import signal
 import sys
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +33,7 @@ from tests.end_to_end.curves import (
 )
 from tests.end_to_end.machine import Machine, can_separate, separate_machines
 from tests.end_to_end.ray_node import Node, cluster_environment, head, worker
-from tests.end_to_end.running_service import RunningService, running_service
+from tests.end_to_end.running_service import RunningService, is_worker, running_service
 from tests.service.store.postgresql import PostgreSQL, running_postgresql
 
 pytestmark = [
@@ -51,6 +56,9 @@ SWEEP: dict[str, Any] = {  # four cohorts of two runs for two cores, so that som
 NAMES = ["h", "one", "two", "d", "s"]
 LEASE_SECONDS = 15.0
 TRUTHFUL_SECONDS = 30.0
+KILLS, KILLS_A_SWEEP = 200, 20
+VICTIMS = {"worker": 8, "node": 5, "driver": 3, "service": 3, "head": 1}
+"""By how often, of twenty."""
 
 
 @dataclass(frozen=True)
@@ -292,3 +300,55 @@ def test_the_power_is_out(cluster: Cluster, undisturbed: Curves) -> None:
         cluster.service.launch()
 
     survived(cluster, undisturbed, "no power", fault)
+
+
+def test_two_hundred_random_kills(cluster: Cluster, undisturbed: Curves) -> None:
+    """Anything at any moment, also while what was killed before comes back."""
+    draw = random.Random(0)  # noqa: S311
+    client = cluster.service.client
+    killed: Counter[str] = Counter()
+    begun = time.monotonic()
+
+    def has_come_to(sweep_id: str, moment: float) -> bool:
+        cluster.keep_up()
+        return cluster.service.is_serving and client.sweep(sweep_id).progress >= moment
+
+    wait_for(cluster.keep_up)
+    while killed.total() < KILLS:
+        sweep_id = client.submit(SWEEP).id
+        for moment in sorted(draw.uniform(0.0, 0.95) for _ in range(KILLS_A_SWEEP)):
+            wait_for(partial(has_come_to, sweep_id, moment))
+            time.sleep(draw.uniform(0.0, 2.0))
+            victim = draw.choices(list(VICTIMS), list(VICTIMS.values()))[0]
+            killed[victim] += kill(cluster, victim, draw)
+        wait_for(partial(has_come_to, sweep_id, 1.0))
+        assert curves_at_the_end(client, sweep_id) == undisturbed
+    report("random kills: all", time.monotonic() - begun, "s")
+    for victim, times in killed.items():
+        report(f"random kills: {victim}", times, "")
+
+
+def kill(cluster: Cluster, victim: str, draw: random.Random) -> int:
+    """End something by force, and start a service again at once; how many were ended."""
+    if victim == "service":
+        cluster.kill_service()
+        cluster.service.launch()
+        return 1
+    if victim == "worker":
+        return kill_worker(cluster, draw)
+    machines = {"driver": cluster.driver.machine, "head": cluster.head.machine}
+    machine = machines.get(victim) or draw.choice(cluster.nodes).machine
+    machine.kill()
+    return 1
+
+
+def kill_worker(cluster: Cluster, draw: random.Random) -> int:
+    """End one of the workers by force, if there is one."""
+    running = [pid for node in cluster.nodes for pid in node.machine.processes]
+    workers = [pid for pid in running if is_worker(pid)]
+    if not workers:
+        return 0
+    with suppress(ProcessLookupError):
+        os.kill(draw.choice(workers), signal.SIGKILL)
+        return 1
+    return 0
