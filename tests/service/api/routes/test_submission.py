@@ -174,9 +174,9 @@ HYBRID, DDPG = {"name": "hybrid-ddpg"}, {"name": "ddpg"}
     [
         ([HYBRID, HYBRID | {"weights": {"w1": 1, "w2": 0}}], "MassPoint", "w1=1, w2=0"),
         ([HYBRID, HYBRID | {"weights": {"w1": 1.0}}], "MassPoint", "w1=1, w2=0"),
-        ([DDPG, DDPG | {"config": {"noise": 0.2}}], "MassPoint", "noise=0.2"),
+        ([DDPG, DDPG | {"config": {"noise": 0.3}}], "MassPoint", "noise=0.3"),
         ([DDPG, DDPG | {"config": {"gamma": 0.99}}], "Pendulum", "gamma=0.99"),
-        ([DDPG, DDPG | {"weights": {"w1": 0, "w2": 0}}], "Pendulum", "noise=0.6"),
+        ([DDPG, DDPG | {"weights": {"w1": 0, "w2": 0}}], "Pendulum", "noise=0.3"),
         (
             [DDPG | {"config": {"critic_decay": 0}}, DDPG | {"config": {"critic_decay": 0.0}}],
             "Pendulum",
@@ -203,13 +203,13 @@ def test_entries_equal_with_presets_filled_in_are_refused(
 
 
 def test_entries_equal_in_some_tasks_are_refused_with_those(idle_client: TestClient) -> None:
-    """DDPG's noise is 0.2 on MassPoint and CartPole, 0.6 on Pendulum."""
-    names = ["MassPoint", "Pendulum", "CartPole"]
-    body = changed(algorithms=[DDPG, DDPG | {"config": {"noise": 0.2}}], environments=names)
+    """DDPG's noise is 0.3 on MassPoint and CartPole, 0.6 on MountainCar."""
+    names = ["MassPoint", "MountainCar", "CartPole"]
+    body = changed(algorithms=[DDPG, DDPG | {"config": {"noise": 0.3}}], environments=names)
     [refusal] = refusals(idle_client, body).values()
     assert "is the same as algorithms[0] in MassPoint and CartPole" in refusal["message"]
     body = changed(
-        algorithms=[DDPG, DDPG | {"config": {"noise": 0.2}, "environments": ["Pendulum"]}],
+        algorithms=[DDPG, DDPG | {"config": {"noise": 0.3}, "environments": ["MountainCar"]}],
         environments=names,
     )
     assert idle_client.post("/api/v1/sweeps?dry_run=true", json=body).status_code == 200
@@ -316,11 +316,11 @@ def test_no_two_entries_have_one_label(
 
 
 def test_a_grid_point_equal_to_another_entry_is_named(idle_client: TestClient) -> None:
-    grid = HYBRID | {"config": {"noise": [0.1, 0.2]}}
+    grid = HYBRID | {"config": {"noise": [0.1, 0.3]}}
     body = changed(algorithms=[grid, HYBRID], environments=["MassPoint"])
     [refusal] = refusals(idle_client, body).values()
     assert refusal["field"] == "algorithms[1]"
-    assert "is the same as algorithms[0] with noise=0.2 in MassPoint" in refusal["message"]
+    assert "is the same as algorithms[0] with noise=0.3 in MassPoint" in refusal["message"]
 
 
 def test_a_grid_above_the_cap_is_counted_and_not_expanded(idle_client: TestClient) -> None:
