@@ -1,7 +1,7 @@
 """What the measurements say to the evaluation's questions, in Markdown.
 
 Is a hybrid better than what it extends, at equal timesteps and at equal processor time, in the
-paper's seven tasks? Which learner goes farthest on HalfCheetah? As far as runs have ended.
+paper's seven tasks? Which learner goes farthest on HalfCheetah? Why? As far as runs have ended.
 """
 
 from collections import Counter
@@ -15,6 +15,7 @@ from service.analysis.statistics.sample import sample
 from service.analysis.statistics.score import area, final_score
 from service.paper.differences import Gain, gains
 from service.paper.evaluation import TASKS
+from service.paper.explained import explained
 from service.paper.measured import ENDED, MeasuredRun, Scale, read_runs, read_scales
 
 COST_TEXT = {"timesteps": "equal timesteps", "seconds": "equal processor time"}
@@ -27,7 +28,7 @@ def summarized(folder: Path) -> str:
     runs, scales = read_runs(folder), read_scales(folder)
     hybrids = grouped(gains(runs, scales), lambda gain: gain.algorithm)
     parts = [part for hybrid, found in hybrids.items() for part in _of_hybrid(hybrid, found)]
-    return "\n".join([*parts, *_of_robot(runs, scales)])
+    return "\n".join([*parts, *_of_robot(runs, scales), "", *explained(folder)])
 
 
 def _of_hybrid(hybrid: str, found: Sequence[Gain]) -> Iterator[str]:

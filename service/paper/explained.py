@@ -1,0 +1,74 @@
+"""Where the simulator's gradients can help, task by task: diagnoses of the evaluation's runs.
+
+`diagnosis.csv` is what `d3pg diagnose SWEEP --output` writes of a sweep. What it says of a task is
+taken from the runs of DDPG: bias and spread of the exact gradient of HORIZON steps under NOISE,
+growth of gradients through GROWTH steps, and the share of the gradient loss in 1 % of the rows.
+The cosine between the critic's gradient in the action and that of rollouts of CUT steps tells, for
+each learner, how well the actor is led.
+"""
+
+import csv
+import math
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from service.paper.evaluation import MORE_TASKS, TASKS
+
+FILE = "diagnosis.csv"
+HORIZON, NOISE = 8, 0.2
+GROWTH = 32
+CUT = 64
+OF_TASK = "ddpg"
+LEARNERS = ("ddpg", "hybrid-ddpg-robust", "hybrid-ddpg", "hybrid-ddpg-cosine")
+
+Cells = Mapping[tuple[str, str], Mapping[tuple[str, str, str, str], float]]
+"""By task and learner: values by diagnostic, quantity, horizon and noise, as they are written."""
+
+
+def explained(folder: Path) -> Iterator[str]:
+    """Yield the lines of a Markdown table; none where the folder has no diagnoses."""
+    if not (folder / FILE).exists():
+        return
+    cells = _read(folder / FILE)
+    yield "## Where gradients can help\n"
+    yield (
+        "| task | bias / norm | exact / zeroth std | growth | top 1 % of the loss | "
+        f"{' | '.join(f'cosine, {learner}' for learner in LEARNERS)} |"
+    )
+    yield "|---" * (5 + len(LEARNERS)) + "|"
+    for task in (*TASKS, *MORE_TASKS):
+        if (task, OF_TASK) in cells:
+            yield f"| {task} | {' | '.join(_numbers(cells, task))} |"
+
+
+def _numbers(cells: Cells, task: str) -> Iterator[str]:
+    own = cells[task, OF_TASK]
+
+    def smoothed(quantity: str) -> float:
+        return own.get(("smoothing", quantity, str(HORIZON), str(NOISE)), math.nan)
+
+    yield _ratio(smoothed("bias"), smoothed("norm"))
+    yield _ratio(smoothed("exact_std"), smoothed("zeroth_std"))
+    yield _shown(own.get(("growth", "median_norm", str(GROWTH), ""), math.nan))
+    yield _shown(own.get(("loss", "action_top_share", "", str(NOISE)), math.nan))
+    for learner in LEARNERS:
+        found = cells.get((task, learner), {})
+        yield _shown(found.get(("critic", "action_cosine", str(CUT), ""), math.nan))
+
+
+def _ratio(part: float, whole: float) -> str:
+    return _shown(part / whole if whole else math.nan)
+
+
+def _shown(number: float) -> str:
+    return f"{number:.2g}" if math.isfinite(number) else "-"
+
+
+def _read(file: Path) -> Cells:
+    cells: dict[tuple[str, str], dict[tuple[str, str, str, str], float]] = {}
+    with file.open(encoding="utf-8", newline="") as text:
+        for line in csv.DictReader(text):
+            name = (line["diagnostic"], line["quantity"], line["horizon"], line["noise"])
+            cell = cells.setdefault((line["environment"], line["label"]), {})
+            cell[name] = float(line["value"] or "nan")
+    return cells
