@@ -6,13 +6,11 @@ standard error.
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import json
 import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -25,12 +23,11 @@ from service.cli.following import follow
 from service.cli.host.own_service import data_dir, own_service
 from service.cli.terminal import AsJson, console, errors, say
 from service.client import Client, ServiceError, SubmissionNotice
-from service.paper import preset_file, results, tuning
+from service.paper import preset_file, results, tuning, tuning_file
 from service.paper.evaluation import SEEDS, evaluation
 from service.paper.former import Former, former, whole_sweeps
 from service.paper.summary import summarized
 from service.paper.tuning import Outcome
-from workers.messages.run_spec import Weights
 
 app = typer.Typer(name="paper")
 
@@ -102,7 +99,7 @@ def tune(output: Output = Path("results"), as_json: AsJson = False) -> None:
     Searches that the folder's tuning.csv has whole are not made again.
     """
     told = console_of(as_json)
-    rows = read_tuning(output)
+    rows = tuning_file.read(output)
     with any_service(told) as client:
         rows = search(
             client,
@@ -137,7 +134,7 @@ def tune(output: Output = Path("results"), as_json: AsJson = False) -> None:
 def presets(output: Output = Path("results"), as_json: AsJson = False) -> None:
     """Write algorithms/presets.toml from the folder's tuning.csv, which has to be whole."""
     try:
-        text = preset_file.as_toml(preset_file.presets_of(read_tuning(output)))
+        text = preset_file.as_toml(preset_file.presets_of(tuning_file.read(output)))
     except ValueError as reason:
         raise typer.BadParameter(str(reason)) from None
     preset_file.FILE.write_text(text, encoding="utf-8")
@@ -162,7 +159,7 @@ def search(
         follow(client, sweep.id, told)
         found = tuning.outcomes(client.curves(sweep.id, normalized=True, max_points=1000))
         known = list({row.cell: row for row in (*known, *found)}.values())
-        write_tuning(output, known)
+        tuning_file.write(output, known)
     return list(known)
 
 
@@ -228,39 +225,3 @@ def write(
         return
     for sentence in (*lacking, f"Wrote {output}/: {ended} of {total} runs reached their end."):
         say(sentence)
-
-
-def read_tuning(folder: Path) -> list[Outcome]:
-    """Read tuning.csv; nothing where there is none."""
-    file = folder / "tuning.csv"
-    if not file.exists():
-        return []
-    with file.open(encoding="utf-8", newline="") as lines:
-        return [
-            Outcome(
-                row["environment"],
-                row["algorithm"],
-                Weights(float(row["w1"]), float(row["w2"])),
-                json.loads(row["config"]),
-                float(row["area"]),
-                float(row["end"]),
-                int(row["runs"]),
-                row["sweep"],
-            )
-            for row in csv.DictReader(lines)
-        ]
-
-
-def write_tuning(folder: Path, rows: Iterable[Outcome]) -> None:
-    """Write tuning.csv: a line a cell."""
-    folder.mkdir(parents=True, exist_ok=True)
-    with (folder / "tuning.csv").open("w", encoding="utf-8", newline="") as output:
-        writer = csv.writer(output, lineterminator="\n")
-        writer.writerow(
-            ("environment", "algorithm", "w1", "w2", "config", "area", "end", "runs", "sweep")
-        )
-        for row in rows:
-            place = (row.environment, row.algorithm, *row.weights)
-            config = json.dumps(asdict(row)["config"], sort_keys=True)
-            reached = (f"{row.area:.4f}", f"{row.end:.4f}", row.runs, row.sweep)
-            writer.writerow((*place, config, *reached))

@@ -13,10 +13,12 @@ import numpy as np
 from service.analysis.comparison import grouped
 from service.analysis.statistics.sample import sample
 from service.analysis.statistics.score import area, final_score
+from service.paper import tuning_file
 from service.paper.differences import Gain, gains
 from service.paper.evaluation import TASKS
 from service.paper.explained import explained
 from service.paper.measured import ENDED, MeasuredRun, Scale, read_runs, read_scales
+from service.paper.searched import searched
 
 COST_TEXT = {"timesteps": "equal timesteps", "seconds": "equal processor time"}
 VERDICTS = ("better", "behind", "not told apart", "not known")
@@ -28,7 +30,9 @@ def summarized(folder: Path) -> str:
     runs, scales = read_runs(folder), read_scales(folder)
     hybrids = grouped(gains(runs, scales), lambda gain: gain.algorithm)
     parts = [part for hybrid, found in hybrids.items() for part in _of_hybrid(hybrid, found)]
-    return "\n".join([*parts, *_of_robot(runs, scales), "", *explained(folder)])
+    parts += [*_of_robot(runs, scales), "", *explained(folder)]
+    known = tuning_file.read(folder)
+    return "\n".join([*parts, "", *searched(known)] if known else parts)
 
 
 def _of_hybrid(hybrid: str, found: Sequence[Gain]) -> Iterator[str]:

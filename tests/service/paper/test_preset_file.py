@@ -9,8 +9,7 @@ import pytest
 
 from algorithms import catalogue
 from algorithms.presets import CHOSEN, FORMS
-from service.cli.paper import read_tuning
-from service.paper import preset_file, tuning
+from service.paper import preset_file, tuning, tuning_file
 from service.paper.preset_file import as_toml, lacking, presets_of
 from service.paper.tuning import PAIRS, SEEDS, SPACES, TIMESTEPS, Outcome
 from workers.messages.run_spec import Weights
@@ -39,10 +38,8 @@ def whole_search(areas: Mapping[tuple[str, str, int], float]) -> list[Outcome]:
 
 
 def test_the_file_is_what_the_recorded_search_found_best() -> None:
-    """Once the search has come to its end for every learner; until then all presets stay."""
-    rows = read_tuning(RESULTS)
-    if lacking(rows):
-        pytest.skip("the search has not come to its end yet")
+    rows = tuning_file.read(RESULTS)
+    assert not lacking(rows)
     assert as_toml(presets_of(rows)) == preset_file.FILE.read_text(encoding="utf-8")
 
 

@@ -1,0 +1,82 @@
+"""What the search found, as tables in Markdown: the best areas, and hybrids at every setting.
+
+A hybrid with bounded losses and what it extends were searched over the same settings with the same
+seeds, so that their areas can be compared setting by setting. That tells what matching gradients
+does for a learner whose settings nobody has tuned.
+"""
+
+from collections.abc import Iterator, Sequence
+
+from algorithms import catalogue
+from service.paper.tuning import (
+    EVERY_SECOND,
+    PAIRS,
+    SEEDS,
+    SPACES,
+    TIMESTEPS,
+    Outcome,
+    best,
+    is_whole,
+)
+
+HYBRIDS = ("hybrid-ddpg-robust", "hybrid-td3")
+
+
+def searched(rows: Sequence[Outcome]) -> Iterator[str]:
+    """Yield the lines of both tables; a cell is empty where a search has not come to its end."""
+    tasks = list(TIMESTEPS)
+    yield f"## The search, {len(SEEDS)} seeds a cell\n"
+    yield "Area of the best cell:\n"
+    yield from _head("learner", tasks)
+    for name in (*SPACES, *PAIRS):
+        known = (is_whole(rows, task, name) and _can(name, task) for task in tasks)
+        areas = [
+            f"{best(rows, task, name).area:.2f}" if there else ""
+            for task, there in zip(tasks, known, strict=True)
+        ]
+        yield _line(name, areas)
+    yield "\nHybrid minus baseline at the same setting, mean over the settings (lowest, highest):\n"
+    yield from _head("hybrid", tasks)
+    for hybrid in HYBRIDS:
+        yield _line(hybrid, [_gain(rows, hybrid, task) for task in tasks])
+
+
+def _can(name: str, task: str) -> bool:
+    return name in PAIRS or task in SPACES[name].tasks()
+
+
+def _gain(rows: Sequence[Outcome], hybrid: str, task: str) -> str:
+    baseline = catalogue.baseline(hybrid)
+    if not (is_whole(rows, task, hybrid) and is_whole(rows, task, baseline)):
+        return ""
+    gains = [
+        _area(rows, task, hybrid, {**setting, **_matching()}) - _area(rows, task, baseline, setting)
+        for setting in SPACES[baseline].on(task)
+    ]
+    mean = sum(gains) / len(gains)
+    return f"{mean:+.2f} ({min(gains):+.2f}, {max(gains):+.2f})"
+
+
+def _matching() -> dict[str, object]:
+    """What the hybrids' settings name beside those of their baselines."""
+    return {name: value for name, (value,) in EVERY_SECOND.items()}
+
+
+def _area(rows: Sequence[Outcome], task: str, algorithm: str, setting: dict[str, object]) -> float:
+    [area] = [
+        row.area
+        for row in rows
+        if (row.environment, row.algorithm) == (task, algorithm)
+        and row.config == setting
+        and row.weights == SPACES[algorithm].weights
+    ]
+    return area
+
+
+def _head(first: str, tasks: Sequence[str]) -> Iterator[str]:
+    yield _line(first, tasks)
+    yield "|---" * (1 + len(tasks)) + "|"
+
+
+def _line(first: str, cells: Sequence[str]) -> str:
+    return f"| {first} | {' | '.join(cells)} |"
