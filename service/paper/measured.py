@@ -96,7 +96,9 @@ def measurements_file(folder: Path, environment: str, name: str) -> Path:
 
 
 def _columns(file: Path) -> dict[tuple[Weights, int], Columns]:
-    """Read the measurements of a file, by run."""
+    """Read the measurements of a file, by run; there is none while no run of it has begun."""
+    if not file.exists():
+        return {}
     rows: dict[tuple[Weights, int], list[list[float]]] = {}
     for line in _lines(file):
         run = Weights(float(line["w1"]), float(line["w2"])), int(line["seed"])

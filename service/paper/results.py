@@ -106,7 +106,7 @@ def write(
     made = {"versions": versions(), "machine": machine(), "sweeps": evidence}
     _write_json(folder / "provenance.json", made)
     derive(folder)
-    return [sentence for one in swept for sentence in _write_figures(client, one.sweep, folder)]
+    return [sentence for one in swept for sentence in _write_figures(client, one, folder)]
 
 
 def derive(folder: Path) -> None:
@@ -148,10 +148,13 @@ def machine() -> dict[str, Any]:
 
 
 def _write_measurements(folder: Path, swept: Swept) -> None:
-    """Write a file a learner and task."""
+    """Write a file a learner and task; none, nor one of before, where no run has begun."""
     cells = grouped(swept.runs, lambda run: (run.environment, row(run.algorithm, run.config)))
     for cell, members in cells.items():
         file = measured.measurements_file(folder, *cell)
+        if not any(swept.rows[run.id] for run in members):
+            file.unlink(missing_ok=True)
+            continue
         file.parent.mkdir(parents=True, exist_ok=True)
         with file.open("w", encoding="utf-8", newline="") as output:
             writer = csv.writer(output, lineterminator="\n")
@@ -170,8 +173,12 @@ def _rounded(name: str, value: str) -> str:
     return f"{float(value):.4g}" if value and name in ROUNDED else value
 
 
-def _write_figures(client: Client, sweep: SweepAnswer, folder: Path) -> Iterator[str]:
+def _write_figures(client: Client, swept: Swept, folder: Path) -> Iterator[str]:
+    sweep = swept.sweep
     for number in figures_of(sweep):
+        if not any(swept.rows.values()):
+            yield f"figure {number} is not there yet: no run of it has measured anything"
+            continue
         try:
             pictures = {form: client.figure(sweep.id, form, number) for form in FORMS}
             data = client.figure_data(sweep.id, number)

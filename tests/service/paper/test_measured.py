@@ -38,3 +38,5 @@ def test_a_run_that_has_not_begun_has_no_measurements(tmp_path: Path) -> None:
     assert {name: len(values) for name, values in queued.columns.items()} == {
         "timestep": 0, "return_mean": 0, "jacobians": 0, "seconds": 0
     }  # fmt: skip
+    file.unlink()
+    assert [len(run.columns["timestep"]) for run in read_runs(tmp_path)] == [0, 0]

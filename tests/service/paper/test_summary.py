@@ -5,6 +5,8 @@ from pathlib import Path
 from service.paper.summary import summarized
 from tests.service.paper.measured_folder import Runs, write_folder
 
+ROOT = Path(__file__).parents[3]
+
 
 def lines(folder: Path) -> list[str]:
     return summarized(folder).splitlines()
@@ -40,3 +42,12 @@ def test_learners_on_the_cheetah_are_listed_the_best_first(tmp_path: Path) -> No
     assert first == ("| sac with learned temperature | 0.800 [0.800, 0.800] | 0.440 | 2 of 2 |")
     assert second.startswith("| ddpg | 0.400")
     assert third.endswith("| 0 of 2 |")
+
+
+def test_the_page_shows_the_tables_of_the_published_measurements() -> None:
+    """Of hybrids whose sweeps have begun, every line."""
+    page = (ROOT / "docs" / "paper.md").read_text(encoding="utf-8")
+    gains, _, _ = summarized(ROOT / "results").partition("## HalfCheetah")
+    rows = [line for line in gains.splitlines() if line.startswith("| ")]
+    assert len(rows) > 7
+    assert [row for row in rows if row not in page] == []
