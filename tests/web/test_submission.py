@@ -8,6 +8,7 @@ from urllib.parse import quote
 import pytest
 from playwright.sync_api import Page, expect
 
+from algorithms.presets import preset
 from tests.web.live_service import LiveService
 from tests.web.test_accessibility import violations
 
@@ -173,7 +174,7 @@ def test_several_entries_of_an_algorithm_lists_and_labels_come_back(
         "tags": ["paper"],
         "algorithms": [
             {"name": "ddpg"},
-            {"name": "ddpg", "label": "loud", "config": {"noise": [0.3, 0.5]}},
+            {"name": "ddpg", "label": "loud", "config": {"noise": [0.4, 0.5]}},
             {"name": "hybrid-ddpg", "weights": {"w1": [0.1, 1.0], "w2": 0.0}},
         ],
         "environments": ["Pendulum"],
@@ -187,7 +188,7 @@ def test_several_entries_of_an_algorithm_lists_and_labels_come_back(
     estimate = signed_in.locator("#estimate")
     expect(estimate).to_contain_text("5 × 1 × 2 seeds = 10 runs, 16,000 timesteps")
     expect(signed_in.locator("#label-ddpg-2")).to_have_value("loud")
-    expect(signed_in.locator("#setting-ddpg-2-noise")).to_have_value("0.3, 0.5")
+    expect(signed_in.locator("#setting-ddpg-2-noise")).to_have_value("0.4, 0.5")
     expect(signed_in.locator("#weights-hybrid-ddpg")).to_have_value("[0.1, 1], 0")
     assert violations(signed_in) == []
     signed_in.get_by_role("button", name="Submit", exact=True).click()
@@ -239,8 +240,9 @@ def test_an_entry_is_added_and_removed(
     settings = signed_in.locator(".option", has=signed_in.locator("#setting-ddpg-2-noise"))
     settings.get_by_text("Settings", exact=True).click()
     noise = signed_in.locator("#setting-ddpg-2-noise")
-    expect(noise).to_have_attribute("placeholder", "0.6")  # what Pendulum's preset runs
-    noise.fill("0.3, 0.4")
+    chosen = preset("ddpg", "Pendulum").config["noise"]
+    expect(noise).to_have_attribute("placeholder", str(chosen))
+    noise.fill("0.4, 0.5")
     expect(signed_in.locator("#estimate")).to_contain_text("3 × 1 × 4 seeds = 12 runs")
     signed_in.get_by_role("button", name="Remove this entry of ddpg").click()
     expect(signed_in.locator("#estimate")).to_contain_text("1 × 1 × 4 seeds = 4 runs")

@@ -271,13 +271,13 @@ def test_a_seed_that_diverged_is_missed_and_said(client: TestClient, store: Stor
 
 
 def test_an_entry_whose_presets_differ_by_task_is_one(client: TestClient, store: Store) -> None:
-    """DDPG's noise is 0.2 on MassPoint and 0.6 on Pendulum; both tasks are common."""
-    entries = [{"name": "ddpg"}, {"name": "ddpg", "config": {"noise": 0.1}}]
+    """TD3's noise is 0.1 on MassPoint and 0.6 on Pendulum; both tasks are common."""
+    entries = [{"name": "td3"}, {"name": "td3", "config": {"noise": 0.2}}]
     links = client.post("/api/v1/sweeps", json=changed(algorithms=entries)).json()["links"]
     for environment in ("MassPoint", "Pendulum"):
         store.record_random_return(random_return(environment, RANDOM))
     train(store, 5, rising)
-    labels = ["ddpg", "ddpg noise=0.1"]
+    labels = ["td3", "td3 noise=0.2"]
     table = client.get(links["table"]).json()
     assert [row["label"] for row in table["rows"]] == labels
     assert [[each["n"] for each in row["entries"]] for row in table["rows"]] == [[3, 3]] * 2
@@ -289,7 +289,7 @@ def test_an_entry_whose_presets_differ_by_task_is_one(client: TestClient, store:
     assert [[each["label"] for each in panel["curves"]] for panel in panels] == [labels] * 2
     runs = client.get(links["runs"]).json()["items"]
     assert [run["label"] for run in runs] == [label for label in labels * 2 for _ in range(3)]
-    assert client.get(runs[4]["links"]["self"]).json()["label"] == "ddpg noise=0.1"
+    assert client.get(runs[4]["links"]["self"]).json()["label"] == "td3 noise=0.2"
     sweep = client.get(links["self"]).json()
     assert [entry["label"] for entry in sweep["entries"]] == labels
 
