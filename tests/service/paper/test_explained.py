@@ -59,3 +59,11 @@ def test_the_summary_ends_with_it(tmp_path: Path) -> None:
     assert "Where gradients can help" not in summarized(tmp_path)
     write(tmp_path, {("Pendulum", "ddpg"): NUMBERS})
     assert summarized(tmp_path).endswith("| - | - | - |")
+
+
+def test_the_page_shows_the_table_of_the_published_diagnoses() -> None:
+    root = Path(__file__).parents[3]
+    page = (root / "docs" / "paper.md").read_text(encoding="utf-8")
+    rows = [line for line in explained(root / "results") if line.startswith("|")]
+    assert len(rows) > 7
+    assert [row for row in rows if row not in page] == []
