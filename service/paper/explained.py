@@ -7,12 +7,12 @@ The cosine between the critic's gradient in the action and that of rollouts of C
 each learner, how well the actor is led.
 """
 
-import csv
 import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from service.paper.evaluation import MORE_TASKS, TASKS
+from service.paper.measured import lines
 
 FILE = "diagnosis.csv"
 HORIZON, NOISE = 8, 0.2
@@ -66,9 +66,8 @@ def _shown(number: float) -> str:
 
 def _read(file: Path) -> Cells:
     cells: dict[tuple[str, str], dict[tuple[str, str, str, str], float]] = {}
-    with file.open(encoding="utf-8", newline="") as text:
-        for line in csv.DictReader(text):
-            name = (line["diagnostic"], line["quantity"], line["horizon"], line["noise"])
-            cell = cells.setdefault((line["environment"], line["label"]), {})
-            cell[name] = float(line["value"] or "nan")
+    for line in lines(file):
+        name = (line["diagnostic"], line["quantity"], line["horizon"], line["noise"])
+        cell = cells.setdefault((line["environment"], line["label"]), {})
+        cell[name] = float(line["value"] or "nan")
     return cells

@@ -5,7 +5,6 @@ diverged, and the code that trained them is that of now. So an evaluation outliv
 the results of its whole sweeps are kept as they are, and the others are trained.
 """
 
-import csv
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from service.paper.evaluation import row
+from service.paper.measured import lines
 from workers.training.fingerprint import code_hash
 
 Request = Mapping[str, Any]
@@ -59,10 +59,10 @@ def former(folder: Path, requests: Sequence[Request]) -> Former:
         {name: found for name, found in statistics.items() if name in names},
         [
             line
-            for line in _lines(folder / "scores.csv")
+            for line in lines(folder / "scores.csv")
             if (line["environment"], row(line["algorithm"], json.loads(line["config"]))) in cells
         ],
-        [line for line in _lines(folder / "random-returns.csv") if line["environment"] in tasks],
+        [line for line in lines(folder / "random-returns.csv") if line["environment"] in tasks],
     )
 
 
@@ -88,8 +88,3 @@ def _document(file: Path) -> dict[str, Any]:
         return {}
     found: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
     return found
-
-
-def _lines(file: Path) -> Iterator[Line]:
-    with file.open(encoding="utf-8", newline="") as text:
-        yield from csv.DictReader(text)

@@ -57,7 +57,7 @@ def read_runs(folder: Path) -> list[MeasuredRun]:
     """Read the runs of scores.csv with their measurements, in its order."""
     runs = []
     measured: dict[Path, dict[tuple[Weights, int], Columns]] = {}
-    for line in _lines(folder / "scores.csv"):
+    for line in lines(folder / "scores.csv"):
         config = json.loads(line["config"])
         name, extended = row(line["algorithm"], config), catalogue.baseline(line["algorithm"])
         weights, seed = Weights(float(line["w1"]), float(line["w2"])), int(line["seed"])
@@ -86,7 +86,7 @@ def read_scales(folder: Path) -> dict[str, Scale]:
         line["environment"]: Scale(
             float(line["random"]), float(line["best"]) - float(line["random"])
         )
-        for line in _lines(folder / "random-returns.csv")
+        for line in lines(folder / "random-returns.csv")
     }
 
 
@@ -100,12 +100,13 @@ def _columns(file: Path) -> dict[tuple[Weights, int], Columns]:
     if not file.exists():
         return {}
     rows: dict[tuple[Weights, int], list[list[float]]] = {}
-    for line in _lines(file):
+    for line in lines(file):
         run = Weights(float(line["w1"]), float(line["w2"])), int(line["seed"])
         rows.setdefault(run, []).append([float(line[name]) for name in READ])
     return {run: dict(zip(READ, np.array(values).T, strict=True)) for run, values in rows.items()}
 
 
-def _lines(file: Path) -> Iterator[dict[str, str]]:
+def lines(file: Path) -> Iterator[dict[str, str]]:
+    """Yield the lines of a CSV file by the names of its columns."""
     with file.open(encoding="utf-8", newline="") as text:
         yield from csv.DictReader(text)

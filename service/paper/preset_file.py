@@ -23,9 +23,11 @@ Cell = TypeVar("Cell")
 
 def lacking(rows: Sequence[Outcome]) -> list[str]:
     """What the search has not come to the end of, as "learner, task"."""
-    wanted = [(name, task) for name, space in SPACES.items() for task in space.tasks()]
-    wanted += [(name, task) for name in PAIRS for task in TIMESTEPS]
-    return [f"{name}, {task}" for name, task in wanted if not tuning.is_whole(rows, task, name)]
+    return [
+        f"{name}, {task}"
+        for name, task in tuning.all_searches()
+        if not tuning.is_whole(rows, task, name)
+    ]
 
 
 def presets_of(rows: Sequence[Outcome]) -> dict[str, dict[str, Rows]]:

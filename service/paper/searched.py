@@ -15,6 +15,7 @@ from service.paper.tuning import (
     SPACES,
     TIMESTEPS,
     Outcome,
+    all_searches,
     best,
     is_whole,
 )
@@ -28,8 +29,9 @@ def searched(rows: Sequence[Outcome]) -> Iterator[str]:
     yield f"## The search, {len(SEEDS)} seeds a cell\n"
     yield "Area of the best cell:\n"
     yield from _head("learner", tasks)
+    searches = set(all_searches())
     for name in (*SPACES, *PAIRS):
-        known = (is_whole(rows, task, name) and _can(name, task) for task in tasks)
+        known = ((name, task) in searches and is_whole(rows, task, name) for task in tasks)
         areas = [
             f"{best(rows, task, name).area:.2f}" if there else ""
             for task, there in zip(tasks, known, strict=True)
@@ -39,10 +41,6 @@ def searched(rows: Sequence[Outcome]) -> Iterator[str]:
     yield from _head("hybrid", tasks)
     for hybrid in HYBRIDS:
         yield _line(hybrid, [_gain(rows, hybrid, task) for task in tasks])
-
-
-def _can(name: str, task: str) -> bool:
-    return name in PAIRS or task in SPACES[name].tasks()
 
 
 def _gain(rows: Sequence[Outcome], hybrid: str, task: str) -> str:

@@ -312,6 +312,12 @@ def best(rows: Iterable[Outcome], environment: str, name: str) -> Outcome:
     return max(cells, key=lambda row: row.area)
 
 
+def all_searches() -> list[tuple[str, str]]:
+    """The name and the task of every search."""
+    settings = [(name, task) for name, space in SPACES.items() for task in space.tasks()]
+    return settings + [(name, task) for name in PAIRS for task in TIMESTEPS]
+
+
 def is_whole(rows: Iterable[Outcome], environment: str, name: str) -> bool:
     """Whether every cell of a hybrid or of a space has its outcome on a task."""
     rows = [row for row in rows if row.runs == len(SEEDS)]

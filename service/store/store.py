@@ -24,7 +24,6 @@ from sqlalchemy.exc import DBAPIError
 
 from service.metrics import MEASUREMENTS
 from service.model.claim import CellLimit, Claim, no_limit
-from service.model.run_curve import RunCurve
 from service.store import people, records
 from service.store.claiming import (
     bulk,
@@ -81,6 +80,18 @@ def _reads(
     return method
 
 
+def _remembers(
+    query: Callable[Concatenate[Connection, CurveMemory, P], Result],
+) -> Callable[Concatenate[Store, P], Result]:
+    """Return the method that finds what the query finds, with the store's memory of curves."""
+
+    @wraps(query)
+    def method(store: Store, /, *args: P.args, **kwargs: P.kwargs) -> Result:
+        return store.read(query, store.curve_memory, *args, **kwargs)
+
+    return method
+
+
 def _writes(
     command: Callable[Concatenate[Connection, P], Result],
 ) -> Callable[Concatenate[Store, P], Result]:
@@ -102,7 +113,7 @@ class Store:
         self._reader = Reader(reader_engine)
         self._retry = retry
         self._writer = Writer(writer_engine)
-        self._curve_memory = CurveMemory(MOST_CURVE_BYTES)
+        self.curve_memory = CurveMemory(MOST_CURVE_BYTES)
 
     @classmethod
     def open(cls, url: str | URL, retry: RetryPolicy | None = None) -> Self:
@@ -264,20 +275,7 @@ class Store:
 
     measurements = _reads(measured.of_run)
     sweep_measurements = _reads(measured.of_runs)
-
-    def curves(
-        self,
-        sweep_id: str,
-        metrics: Sequence[str],
-        x: str = "timesteps",
-        ordinal: int | None = None,
-        *,
-        only_ends: bool = False,
-    ) -> list[list[RunCurve]]:
-        """Return each metric of every run of a sweep (service.store.reading.curves)."""
-        kept = self._curve_memory
-        return self.read(curves.curves, kept, sweep_id, metrics, x, ordinal, only_ends=only_ends)
-
+    curves = _remembers(curves.curves)
     return_outlines = _reads(measured.outlines)
     diagnostic_names = _reads(measured.diagnostic_names)
     record_random_return = _writes(zeros.put)

@@ -126,11 +126,11 @@ def compared_by(
     """Return what `compared` says for each view; they have one abscissa, and are read together."""
     if run is not None and len(sweep.sweeps) > 1:
         raise InvalidRequest([Fault("run", "is the number of a run of one sweep, not of several")])
-    for view in views:
-        _refuse_metric(store, sweep, view)
+    _refuse_metrics(store, sweep, views)
     curves = run_curves(store, sweep, [view.metric for view in views], views[0].x, run)
+    zeros = store.random_returns()
     return [
-        compare(of_view, sweep.entries, view, store.random_returns(), best_return)
+        compare(of_view, sweep.entries, view, zeros, best_return)
         for view, of_view in zip(views, curves, strict=True)
     ]
 
@@ -158,11 +158,12 @@ def _diagnostics(store: Store, sweep: Compared) -> list[str]:
     return list(dict.fromkeys(names))
 
 
-def _refuse_metric(store: Store, sweep: Compared, view: View) -> None:
-    if view.metric in RETURNS:
-        return
-    if view.metric not in (known := _diagnostics(store, sweep)):
-        raise InvalidRequest([unknown_name("metric", view.metric, [*sorted(RETURNS), *known])])
-    if view.normalized:
-        message = f"only returns have a normalised scale, {view.metric!r} has none"
-        raise InvalidRequest([Fault("normalized", message)])
+def _refuse_metrics(store: Store, sweep: Compared, views: Sequence[View]) -> None:
+    own = [view for view in views if view.metric not in RETURNS]
+    known = _diagnostics(store, sweep) if own else []
+    for view in own:
+        if view.metric not in known:
+            raise InvalidRequest([unknown_name("metric", view.metric, [*sorted(RETURNS), *known])])
+        if view.normalized:
+            message = f"only returns have a normalised scale, {view.metric!r} has none"
+            raise InvalidRequest([Fault("normalized", message)])
