@@ -61,6 +61,10 @@ ROUNDED = {"seconds", "compile_seconds", "action_gradient_cosine", "state_gradie
 """Columns of which four significant digits are kept; the others' digits are all there."""
 
 
+class NotYetError(Exception):
+    """Something cannot be made of what has been measured so far."""
+
+
 @dataclass(frozen=True)
 class Swept:
     """A sweep with all it measured.
@@ -78,7 +82,9 @@ class Swept:
     def of(cls, client: Client, sweep: SweepAnswer) -> "Swept":
         """Ask for it."""
         runs = list(client.runs(sweep.id))
-        rows = {run.id: [kept(row) for row in client.measurement_rows(run.id)] for run in runs}
+        rows: dict[str, list[Row]] = {run.id: [] for run in runs}
+        for line in client.sweep_rows(sweep.id):
+            rows[line["run"]].append(kept(line))
         panels = client.curves(sweep.id, max_points=2).panels
         return cls(sweep, runs, rows, {panel.environment: panel.random_return for panel in panels})
 
@@ -174,20 +180,26 @@ def _rounded(name: str, value: str) -> str:
 
 
 def _write_figures(client: Client, swept: Swept, folder: Path) -> Iterator[str]:
-    sweep = swept.sweep
-    for number in figures_of(sweep):
-        if not any(swept.rows.values()):
-            yield f"figure {number} is not there yet: no run of it has measured anything"
-            continue
+    """Write the figures of a sweep; of one that is not there yet, remove what was there before."""
+    for number in figures_of(swept.sweep):
+        files = {form: folder / f"figure-{number}.{form}" for form in (*FORMS, "csv")}
         try:
-            pictures = {form: client.figure(sweep.id, form, number) for form in FORMS}
-            data = client.figure_data(sweep.id, number)
-        except ServiceError as refusal:
-            yield f"figure {number} is not there yet: {refusal}"
+            found = _figure(client, swept, number)
+        except (NotYetError, ServiceError) as reason:
+            for file in files.values():
+                file.unlink(missing_ok=True)
+            yield f"figure {number} is not there yet: {reason}"
             continue
-        for form, picture in pictures.items():
-            (folder / f"figure-{number}.{form}").write_bytes(picture)
-        (folder / f"figure-{number}.csv").write_text(data, encoding="utf-8", newline="")
+        for form, content in found.items():
+            files[form].write_bytes(content)
+
+
+def _figure(client: Client, swept: Swept, number: FigureNumber) -> dict[str, bytes]:
+    """Ask for the files of a figure, by form. Raises NotYetError, or what the service refuses."""
+    if not any(swept.rows.values()):
+        raise NotYetError("no run of it has measured anything")
+    files = {str(form): client.figure(swept.sweep.id, form, number) for form in FORMS}
+    return {**files, "csv": client.figure_data(swept.sweep.id, number).encode()}
 
 
 def _write_table(client: Client, sweep: SweepAnswer, folder: Path) -> None:

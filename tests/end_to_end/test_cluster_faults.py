@@ -323,6 +323,7 @@ def test_two_hundred_random_kills(cluster: Cluster, undisturbed: Curves) -> None
             killed[victim] += kill(cluster, victim, draw)
         wait_for(partial(has_come_to, sweep_id, 1.0))
         assert curves_at_the_end(client, sweep_id) == undisturbed
+        report("random kills: so far", killed.total(), "")
     report("random kills: all", time.monotonic() - begun, "s")
     for victim, times in killed.items():
         report(f"random kills: {victim}", times, "")

@@ -52,7 +52,9 @@ def test_an_evaluation_is_taken_up_and_written(
     today = {**evaluation.MORE_SOFT, "environments": ["Pendulum"], "algorithms": [learned]}
     monkeypatch.setattr(evaluation, "SWEEPS", (one_task, evaluation.CRITIC, soft, today))
     store.record_random_return(random_return("Pendulum", RANDOM))
+    (of_before := tmp_path / "figure-4.png").write_bytes(b"of an evaluation before this one")
     begun = d3pg("paper", "write", *QUICK, "-o", str(tmp_path)).stdout
+    assert not of_before.exists()
     assert f"Wrote {tmp_path}/: 0 of 20 runs reached their end." in begun.replace("\n", "")
     looked = d3pg("paper", "write", *QUICK, "-o", str(tmp_path), "--json")
     assert as_json(looked)["total"] == 20

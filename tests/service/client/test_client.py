@@ -292,6 +292,9 @@ def test_measurements_are_saved_and_read_run_by_run(
     for run in runs:
         columns = service.measurements(run.id).columns
         assert run.columns["return_mean"].tolist() == columns["return_mean"]
+        rows = [row for row in service.sweep_rows(trained) if row["run"] == run.id]
+        own = service.measurement_rows(run.id)
+        assert [{name: row[name] for name in own[0]} for row in rows] == own
     with pytest.raises(ServiceError, match="no sweep"):
         list(service.measured_runs("000000000000"))
 
