@@ -302,6 +302,7 @@ def test_the_power_is_out(cluster: Cluster, undisturbed: Curves) -> None:
     survived(cluster, undisturbed, "no power", fault)
 
 
+@pytest.mark.timeout(3600)
 def test_two_hundred_random_kills(cluster: Cluster, undisturbed: Curves) -> None:
     """Anything at any moment, also while what was killed before comes back."""
     draw = random.Random(0)  # noqa: S311
