@@ -26,12 +26,13 @@ import uvicorn
 from pydantic import SecretStr
 from sqlalchemy import text
 
+from algorithms.measurement import Measurement
 from benchmarks.overview import TOKEN, NoCluster
 from physics.randomness import generator
 from service.api.app import create_app
 from service.settings import Settings
 from service.store.connection import connect
-from service.store.reading import diagnostics
+from service.store.reading import packed
 from service.store.store import Store
 from workers.messages.random_return import RandomReturn
 from workers.messages.run_spec import RunSpec, Weights
@@ -171,22 +172,31 @@ def measure(settings: Settings) -> None:
     rng = generator(0, "large sweep")
     engine = connect(settings.store_url, "writer")
     with engine.begin() as connection:
-        of_set = diagnostics.set_number(connection, ("critic_loss",))
+        of_set = packed.set_number(connection, ("critic_loss",))
         numbers = list(connection.scalars(text("SELECT number FROM runs ORDER BY number")))
         for number in numbers:
             walk = rng.standard_normal(POINTS).cumsum()
-            rows = [
-                (
-                    number, EVERY * (k + 1), value, value - 1.0, 400 * (k + 1), EVERY * (k + 1),
-                    0.07 * (k + 1) + 1e-4 * value, of_set, diagnostics.pack({"critic_loss": value}),
-                    0.25,
+            measured = (
+                Measurement(
+                    seed=0,
+                    timestep=EVERY * k,
+                    return_mean=value,
+                    return_history=value - 1.0,
+                    updates=400 * k,
+                    jacobians=EVERY * k,
+                    seconds=0.07 * k + 1e-4 * value,
+                    diagnostics={"critic_loss": value},
+                    compile_seconds=0.25,
                 )
-                for k, value in enumerate((-1000 + 30 * walk + np.arange(POINTS)).tolist())
-            ]  # fmt: skip
+                for k, value in enumerate((-1000 + 30 * walk + np.arange(POINTS)).tolist(), start=1)
+            )
+            rows = [
+                (number, m.timestep, m.return_mean, m.updates, m.jacobians, of_set, packed.pack(m))
+                for m in measured
+            ]
             connection.exec_driver_sql(
-                "INSERT INTO measurements (run_number, timestep, return_mean, return_history,"
-                " updates, jacobians, seconds, diagnostic_set, diagnostics, compile_seconds)"
-                " VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                "INSERT INTO measurements (run_number, timestep, return_mean, updates, jacobians,"
+                " diagnostic_set, packed) VALUES (?, ?, ?, ?, ?, ?, ?)",
                 rows,
             )
         connection.execute(

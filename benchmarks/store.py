@@ -19,7 +19,7 @@ from typing import Any
 from algorithms.measurement import Measurement
 from service.model.claim import Claim
 from service.store.connection import connect
-from service.store.reading import diagnostics
+from service.store.reading import packed
 from service.store.store import Store
 from tests.service.store.postgresql import running_postgresql
 from workers.messages.progress import Progress
@@ -133,13 +133,11 @@ def plain_rate(url: str, place: int) -> float:
         with engine.begin() as connection:
             connection.exec_driver_sql(
                 f"CREATE TABLE plain_{place} (run BIGINT, timestep BIGINT, mean DOUBLE PRECISION, "
-                "history DOUBLE PRECISION, updates BIGINT, jacobians BIGINT, "
-                f"seconds DOUBLE PRECISION, names BIGINT, packed {binary}, "
-                "compile_seconds DOUBLE PRECISION, "
+                f"updates BIGINT, jacobians BIGINT, names BIGINT, packed {binary}, "
                 "PRIMARY KEY (run, timestep))"
             )
         taken = messages(range(COHORT_LIMIT))
-        insert = f"INSERT INTO plain_{place} VALUES ({', '.join([mark] * 10)})"  # noqa: S608
+        insert = f"INSERT INTO plain_{place} VALUES ({', '.join([mark] * 7)})"  # noqa: S608
         begun = time.perf_counter()
         for progress in taken:
             with engine.begin() as connection:
@@ -150,9 +148,7 @@ def plain_rate(url: str, place: int) -> float:
 
 
 def plain_row(m: Measurement) -> tuple[Any, ...]:
-    packed = diagnostics.pack(m.diagnostics)
-    return (m.seed, m.timestep, m.return_mean, m.return_history, m.updates, m.jacobians,
-            m.seconds, 1, packed, m.compile_seconds)  # fmt: skip
+    return (m.seed, m.timestep, m.return_mean, m.updates, m.jacobians, 1, packed.pack(m))
 
 
 def count(taken: list[Progress]) -> int:

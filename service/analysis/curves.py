@@ -58,12 +58,14 @@ class Curve:
 
 def aggregate(series: Sequence[Series], band: Band, max_points: int) -> Curve:
     """Return the curve of seeds; `max_points` is at least 2. No seed measured: no points."""
-    ordered = [_increasing(one) for one in series]
-    x = thin(_union([one.x for one in ordered]), max_points)
+    ordered = _increasing(series)
+    grids = {id(one.x): one.x for one in ordered}  # runs may share them
+    x = thin(_union(list(grids.values())), max_points)
+    places = {key: _Places.of(grid, x) for key, grid in grids.items()}
     values = np.full((len(ordered), len(x)), np.nan)
-    is_interpolated = False
     for row, one in zip(values, ordered, strict=True):
-        is_interpolated |= _place(one, x, row)
+        places[id(one.x)].fill(row, one, x)
+    is_interpolated = any(each.is_between.any() for each in places.values())
     values[~np.isfinite(values)] = np.nan
     n = np.isfinite(values).sum(axis=0)
     with np.errstate(all="ignore"):
@@ -86,10 +88,14 @@ def thin(x: Floats, max_points: int) -> Floats:
     return x[kept]
 
 
-def _increasing(series: Series) -> Series:
+def _increasing(series: Sequence[Series]) -> list[Series]:
     """Keep the last value at each x: along Jacobians, `ddpg` stands at 0 for ever."""
-    if len(series.x) < 2 or np.all(np.diff(series.x) > 0):
-        return series
+    grids = {id(one.x): one.x for one in series}
+    increasing = {key for key, grid in grids.items() if np.all(np.diff(grid) > 0)}
+    return [one if id(one.x) in increasing else _last_at_each(one) for one in series]
+
+
+def _last_at_each(series: Series) -> Series:
     reversed_x, first = np.unique(series.x[::-1], return_index=True)
     return Series(reversed_x, series.y[::-1][first])
 
@@ -103,20 +109,35 @@ def _union(grids: Sequence[Floats]) -> Floats:
     return np.unique(np.concatenate(grids))
 
 
-def _place(series: Series, x: Floats, row: Floats) -> bool:
-    """Fill `row` [p] with the series' values at `x` [p]; whether any had to be interpolated."""
-    if len(series.x) == 0:
-        return False
-    if len(series.x) <= len(x) and np.array_equal(series.x, x[: len(series.x)]):
-        row[: len(series.x)] = series.y
-        return False
-    at = np.minimum(np.searchsorted(series.x, x), len(series.x) - 1)
-    is_measured = series.x[at] == x
-    row[is_measured] = series.y[at[is_measured]]
-    is_between = ~is_measured & (x > series.x[0]) & (x < series.x[-1])
-    with np.errstate(all="ignore"):
-        row[is_between] = np.interp(x[is_between], series.x, series.y)
-    return bool(is_between.any())
+@dataclass(frozen=True)
+class _Places:
+    """Where the points [p] of a grid stand among those of a series [n].
+
+    is_measured  which are among them, [p]
+    at           the place of each that is, [<= p]
+    is_between   which are not, but lie between two, [p]
+    """
+
+    is_measured: NDArray[np.bool_]
+    at: NDArray[np.intp]
+    is_between: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, own: Floats, x: Floats) -> "_Places":
+        if len(own) == 0:
+            nowhere = np.zeros(len(x), np.bool_)
+            return cls(nowhere, np.empty(0, np.intp), nowhere)
+        at = np.minimum(np.searchsorted(own, x), len(own) - 1)
+        is_measured = own[at] == x
+        is_between = ~is_measured & (x > own[0]) & (x < own[-1])
+        return cls(is_measured, at[is_measured], is_between)
+
+    def fill(self, row: Floats, series: Series, x: Floats) -> None:
+        """Write the values of a series at x into a row [p]."""
+        row[self.is_measured] = series.y[self.at]
+        if self.is_between.any():
+            with np.errstate(all="ignore"):
+                row[self.is_between] = np.interp(x[self.is_between], series.x, series.y)
 
 
 def _bounds(

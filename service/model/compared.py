@@ -45,7 +45,7 @@ class Compared:
         together: list[RunCurve] = []
         first = 0
         for own, entries in zip(runs, self._own, strict=True):
-            together += [replace(run, entry=first + run.entry) for run in own]
+            together += [replace(run, entry=first + run.entry) for run in own] if first else own
             first += len(entries.all)
         if len(self.sweeps) > 1:
             _refuse_other_versions(together)

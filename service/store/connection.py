@@ -11,6 +11,7 @@ snapshot a transaction, as they do on SQLite.
 """
 
 import os
+from collections.abc import Mapping
 from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
@@ -32,6 +33,12 @@ WRITER_LOCK = 0x64337067  # any number, the same for every version of this servi
 LOCK_NOT_AVAILABLE = "55P03"
 
 Role = Literal["writer", "reader"]
+STATEMENTS: Mapping[Role, int] = {"writer": 128, "reader": 0}
+"""How many statements a connection of SQLite keeps prepared.
+
+What it keeps takes up its lookaside memory, without which each small value that a query makes is
+allocated under a lock: the points of a large sweep take 1.5 times as long.
+"""
 
 
 def connect(url: str | URL, role: Role) -> Engine:
@@ -67,7 +74,11 @@ def _connect_sqlite(address: URL, role: Role, size: dict[str, int]) -> Engine:
     engine = create_engine(
         address,
         module=pysqlite3.dbapi2,
-        connect_args={"timeout": BUSY_TIMEOUT_MS / 1000, "check_same_thread": False},
+        connect_args={
+            "timeout": BUSY_TIMEOUT_MS / 1000,
+            "check_same_thread": False,
+            "cached_statements": STATEMENTS[role],
+        },
         **size,
     )
     if role == "writer" and address.database:

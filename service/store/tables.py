@@ -196,14 +196,11 @@ measurements = Table(
     metadata,
     Column("run_number", Number, primary_key=True, autoincrement=False),
     Column("timestep", BigInteger, primary_key=True, autoincrement=False),
-    Column("return_mean", Exact),
-    Column("return_history", Exact),
+    Column("return_mean", Exact),  # which `packed` has too: SQL sorts by it, and takes its means
     Column("updates", BigInteger, nullable=False),
     Column("jacobians", BigInteger, nullable=False),
-    Column("seconds", Exact),
     Column("diagnostic_set", Number, nullable=False),
-    Column("diagnostics", LargeBinary, nullable=False),  # little-endian float64, in its set's order
-    Column("compile_seconds", Exact),
+    Column("packed", LargeBinary, nullable=False),  # service.store.reading.packed
     sqlite_with_rowid=False,
 )
 

@@ -6,6 +6,7 @@ from sqlalchemy import Connection, select
 
 from service.analysis.cost import PastCost
 from service.model.run import RunStatus
+from service.store.reading.packed import own
 from service.store.tables import measurements, runs
 
 LATEST_RUNS = 2000
@@ -15,8 +16,8 @@ def past(
     connection: Connection, algorithms: Collection[str], environments: Collection[str]
 ) -> list[PastCost]:
     """Return what the latest succeeded runs of these algorithms and environments have cost."""
-    seconds = (
-        select(measurements.c.seconds)
+    latest = (
+        select(measurements.c.packed)
         .where(measurements.c.run_number == runs.c.number)
         .order_by(measurements.c.timestep.desc())
         .limit(1)
@@ -25,7 +26,7 @@ def past(
     query = (
         select(
             runs.c.algorithm, runs.c.environment, runs.c.config, runs.c.timesteps,
-            seconds.label("seconds"),
+            latest.label("latest"),
         )
         .where(
             runs.c.status == RunStatus.SUCCEEDED,
@@ -35,8 +36,11 @@ def past(
         .order_by(runs.c.number.desc())
         .limit(LATEST_RUNS)
     )  # fmt: skip
-    return [
-        PastCost(row.algorithm, row.environment, row.config, row.timesteps, row.seconds)
+    costs = [
+        PastCost(
+            row.algorithm, row.environment, row.config, row.timesteps, own(row.latest)["seconds"]
+        )
         for row in connection.execute(query)
-        if row.seconds is not None and row.seconds > 0
+        if row.latest is not None
     ]
+    return [cost for cost in costs if cost.seconds > 0]

@@ -10,7 +10,7 @@ from algorithms.measurement import MEASURE_EVERY, Measurement
 from service.model.run import Run
 from service.model.run_name import RunName
 from service.store.at_once import among
-from service.store.reading import diagnostics
+from service.store.reading import packed
 from service.store.reading.rows import noun_of
 from service.store.reading.runs import named, run_of, select_runs
 from service.store.tables import measurements, runs, sweeps
@@ -73,19 +73,16 @@ def _latest(connection: Connection, numbers: Collection[int]) -> dict[int, int]:
 def _insert(connection: Connection, fresh: Mapping[tuple[int, int], Measurement]) -> None:
     """Write rows straight through the driver, which takes a third of the time."""
     names = [tuple(measurement.diagnostics) for measurement in fresh.values()]
-    set_numbers = {each: diagnostics.set_number(connection, each) for each in dict.fromkeys(names)}
+    set_numbers = {each: packed.set_number(connection, each) for each in dict.fromkeys(names)}
     rows = [
         (
             number,
             timestep,
             None if math.isnan(measurement.return_mean) else measurement.return_mean,
-            None if math.isnan(measurement.return_history) else measurement.return_history,
             measurement.updates,
             measurement.jacobians,
-            None if math.isnan(measurement.seconds) else measurement.seconds,
             set_numbers[of_set],
-            diagnostics.pack(measurement.diagnostics),
-            None if math.isnan(measurement.compile_seconds) else measurement.compile_seconds,
+            packed.pack(measurement),
         )
         for ((number, timestep), measurement), of_set in zip(fresh.items(), names, strict=True)
     ]
@@ -106,15 +103,13 @@ def of_run(connection: Connection, run_id: str) -> list[Measurement]:
         .where(named(run_id))
         .order_by(measurements.c.timestep)
     )
-    names = diagnostics.sets(connection)
-    return [
-        noun_of(
-            Measurement,
-            row,
-            diagnostics=diagnostics.unpack(names[row.diagnostic_set], row.diagnostics),
-        )
-        for row in connection.execute(query)
-    ]
+    names = packed.sets(connection)
+    return [_measurement(row, row.seed, names) for row in connection.execute(query)]
+
+
+def _measurement(row: Row[Any], seed: int, names: Mapping[int, Sequence[str]]) -> Measurement:
+    values = packed.unpack(names[row.diagnostic_set], row.packed)
+    return noun_of(Measurement, row, seed=seed, **values)
 
 
 def of_runs(
@@ -132,7 +127,7 @@ def of_runs(
     )
     listed = next(by_points(connection.execute(query).all(), POINTS_AT_ONCE), [])
     found = {row.number: row for row in listed}
-    names = diagnostics.sets(connection)
+    names = packed.sets(connection)
     points: dict[int, list[Measurement]] = {number: [] for number in found}
     measured = (
         select(measurements)
@@ -140,10 +135,8 @@ def of_runs(
         .order_by(measurements.c.run_number, measurements.c.timestep)
     )
     for row in connection.execute(measured):
-        of_set = names[row.diagnostic_set]
-        values = diagnostics.unpack(of_set, row.diagnostics)
         seed = found[row.run_number].seed
-        points[row.run_number].append(noun_of(Measurement, row, seed=seed, diagnostics=values))
+        points[row.run_number].append(_measurement(row, seed, names))
     return [(run_of(found[number]), points[number]) for number in found]
 
 
@@ -179,7 +172,7 @@ def diagnostic_names(connection: Connection, sweep_id: str) -> list[str]:
         .where(measurements.c.run_number.in_(own.where(sweeps.c.id == sweep_id)))  # not joined:
         .distinct()  # SQLite would sort all measurements, in memory
     )
-    names = diagnostics.sets(connection)
+    names = packed.sets(connection)
     numbers = sorted(connection.scalars(used))
     return list(dict.fromkeys(name for number in numbers for name in names[number]))
 

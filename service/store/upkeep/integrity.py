@@ -40,8 +40,8 @@ INVARIANTS: Mapping[str, str] = {
         ELSE (findings IS NULL) = (problem <> '') END""",
     "an event is a sweep's": """
         SELECT count(*) FROM events WHERE sweep_number NOT IN (SELECT number FROM sweeps)""",
-    "diagnostics are whole float64 numbers": """
-        SELECT count(*) FROM measurements WHERE length(diagnostics) % 8 <> 0""",
+    "a measurement's floats are whole, and there are those that all have": """
+        SELECT count(*) FROM measurements WHERE length(packed) % 8 <> 0 OR length(packed) < 32""",
 }
 
 

@@ -67,6 +67,13 @@ def test_runs_may_measure_different_diagnostics(store: Store, submit: Submit) ->
     assert [c.x.tolist() for c in store.curves(sweep.id, ["b"])[0]] == [[800.0], [800.0]]
     [[_, third]] = store.curves(sweep.id, ["c"])
     assert np.isnan(third.values).tolist() == [True]
+    together = store.curves(sweep.id, ["return_mean", "b", "return_history"], "seconds")
+    assert [[len(curve.values) for curve in of_metric] for of_metric in together] == [
+        [1, 2],
+        [1, 1],
+        [1, 2],
+    ]
+    assert [curve.x.tolist() for curve in together[1]] == [[0.8], [0.8]]
 
 
 def test_every_point_of_a_sweep_is_read(store: Store) -> None:

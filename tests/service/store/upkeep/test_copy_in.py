@@ -33,7 +33,7 @@ def store(fresh_postgresql: Fresh) -> Iterator[Store]:
 
 
 def row(timestep: int) -> tuple[Any, ...]:
-    return (1, timestep, None, -math.inf, 2**62, 0, 0.1, 1, b"\0\xff", 0.25)
+    return (1, timestep, {800: None, 1600: -math.inf}[timestep], 2**62, 0, 1, b"\0\xff")
 
 
 def stored(store: Store) -> Rows:

@@ -61,7 +61,8 @@ def test_a_database_in_use_is_whole(used: str) -> None:
         ("UPDATE measurements SET run_number = 99", "a measurement is a run's"),
         ("UPDATE measurements SET diagnostic_set = 99", "a measurement is a run's"),
         ("UPDATE events SET sweep_number = 99", "an event is a sweep's"),
-        ("UPDATE measurements SET diagnostics = substr(diagnostics, 2)", "diagnostics are whole"),
+        ("UPDATE measurements SET packed = substr(packed, 2)", "a measurement's floats are whole"),
+        ("UPDATE measurements SET packed = substr(packed, 1, 24)", "a measurement's floats"),
     ],
 )
 def test_damage_is_seen(used: str, statement: str, claim: str) -> None:
