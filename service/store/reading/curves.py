@@ -22,7 +22,7 @@ from service.store.reading.runs import spec_of
 from service.store.tables import measurements, runs, sweeps
 
 POINTS_AT_ONCE = 200_000
-"""About so many points are read together, of 8 bytes for each metric."""
+"""About so many points are asked for together."""
 COUNTS: Mapping[str, str] = {
     "timesteps": "timestep",
     "updates": "updates",
@@ -119,7 +119,12 @@ class Reading:
         self._shared: dict[tuple[str, str, str], Floats] = {}
 
     def query(self, points: Select[Any]) -> Select[Any]:
-        """The number of each run, and what `line` makes lines of."""
+        """The number of each run, and what `line` makes lines of.
+
+        Both databases join rows in the order of a sorted subquery (PostgreSQL's manual, "Aggregate
+        Functions"; SQLite's source, SF_OrderByReqd). An ORDER BY in string_agg would sort each run
+        once more.
+        """
         rows = points.subquery("points")
         counts = packed.listed(rows.c[self._count]) if self._count else literal("")
         sets, floats = packed.listed(rows.c.diagnostic_set), packed.joined(rows.c.packed)
