@@ -1,5 +1,7 @@
 """The service's socket."""
 
+import socket
+
 import pytest
 
 from service.listening import listen
@@ -10,6 +12,15 @@ from service.refusal import RefusalError
 def test_a_free_port(host: str) -> None:
     with listen(host, 0) as listener:
         assert listener.getsockname()[1] > 0
+
+
+def test_its_connections_send_at_once() -> None:
+    with (
+        listen("127.0.0.1", 0) as listener,
+        socket.create_connection(listener.getsockname()),
+        listener.accept()[0] as accepted,
+    ):
+        assert accepted.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
 
 
 def test_a_taken_port_is_refused_in_a_sentence() -> None:

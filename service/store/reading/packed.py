@@ -34,8 +34,8 @@ OWN = ("return_mean", "return_history", "seconds", "compile_seconds")
 
 def pack(measurement: Measurement) -> bytes:
     """Write its floats."""
-    own = (getattr(measurement, name) for name in OWN)
-    values = (*own, *measurement.diagnostics.values())
+    common = (getattr(measurement, name) for name in OWN)
+    values = (*common, *measurement.diagnostics.values())
     return struct.pack(f"<{len(values)}d", *values)
 
 
