@@ -18,7 +18,7 @@ import csv
 import json
 import os
 import platform
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -67,26 +67,49 @@ class NotYetError(Exception):
 
 @dataclass(frozen=True)
 class Swept:
-    """A sweep with all it measured.
+    """A sweep with all it measured, and what the service makes of it.
 
-    rows   the measurements as they are kept, by run
-    zeros  the zero of the normalised scale, by task; None if not known yet
+    rows        the measurements as they are kept, by run
+    zeros       the zero of the normalised scale, by task; None if not known yet
+    statistics  `GET /sweeps/{id}/statistics`; None of a critic, which says nothing of its learner
+    tables      the text of table 1, by file; none unless the sweep is that of table 1
     """
 
     sweep: SweepAnswer
     runs: Sequence[RunAnswer]
     rows: Mapping[str, Sequence[Row]]
     zeros: Mapping[str, RandomReturnAnswer | None]
+    statistics: Mapping[str, Any] | None
+    tables: Mapping[str, str]
 
     @classmethod
     def of(cls, client: Client, sweep: SweepAnswer) -> "Swept":
-        """Ask for it."""
+        """Ask for it; again where a run began or ended meanwhile, so that all is of one state."""
+        before = client.sweep(sweep.id)
+        found = cls._asked(client, before)
+        while client.sweep(sweep.id).runs != before.runs:
+            before = client.sweep(sweep.id)
+            found = cls._asked(client, before)
+        return found
+
+    @classmethod
+    def _asked(cls, client: Client, sweep: SweepAnswer) -> "Swept":
         runs = list(client.runs(sweep.id))
         rows: dict[str, list[Row]] = {run.id: [] for run in runs}
         for line in client.sweep_rows(sweep.id):
             rows[line["run"]].append(kept(line))
         panels = client.curves(sweep.id, max_points=2).panels
-        return cls(sweep, runs, rows, {panel.environment: panel.random_return for panel in panels})
+        zeros = {panel.environment: panel.random_return for panel in panels}
+        numbers = figures_of(sweep)
+        statistics = (
+            client.statistics(sweep.id).model_dump(mode="json") if numbers != ("2",) else None
+        )
+        tables = TABLES if "4" in numbers else {}
+        texts = {
+            file: client.table_text(sweep.id, form, score="return_history", normalized=True)
+            for form, file in tables.items()
+        }
+        return cls(sweep, runs, rows, zeros, statistics, texts)
 
 
 def write(
@@ -102,11 +125,11 @@ def write(
     zeros = {task: zero for one in swept for task, zero in one.zeros.items()}
     for one in swept:
         _write_measurements(folder, one)
-        if "4" in figures_of(one.sweep):
-            _write_table(client, one.sweep, folder)
+        for file, text in one.tables.items():
+            (folder / file).write_text(text, encoding="utf-8", newline="")
     write_scores(folder / "scores.csv", runs, kept.scores)
     write_random_returns(folder / "random-returns.csv", zeros, kept.random_returns)
-    statistics = _statistics(client, [one.sweep for one in swept])
+    statistics = {one.sweep.name: one.statistics for one in swept if one.statistics is not None}
     _write_json(folder / "statistics.json", {**kept.statistics, **statistics})
     evidence = {**kept.evidence, **{one.sweep.name: _provenance(one) for one in swept}}
     made = {"versions": versions(), "machine": machine(), "sweeps": evidence}
@@ -125,14 +148,6 @@ def derive(folder: Path) -> None:
 def figures_of(sweep: SweepAnswer) -> tuple[FigureNumber, ...]:
     """The figures that the service draws from a sweep."""
     return FIGURES.get(sweep.name, ())
-
-
-def _statistics(client: Client, sweeps: Iterable[SweepAnswer]) -> dict[str, Any]:
-    return {
-        sweep.name: client.statistics(sweep.id).model_dump(mode="json")
-        for sweep in sweeps
-        if figures_of(sweep) != ("2",)  # a critic says nothing of how well its learner does
-    }
 
 
 def _write_json(file: Path, document: Mapping[str, Any]) -> None:
@@ -200,12 +215,6 @@ def _figure(client: Client, swept: Swept, number: FigureNumber) -> dict[str, byt
         raise NotYetError("no run of it has measured anything")
     files = {str(form): client.figure(swept.sweep.id, form, number) for form in FORMS}
     return {**files, "csv": client.figure_data(swept.sweep.id, number).encode()}
-
-
-def _write_table(client: Client, sweep: SweepAnswer, folder: Path) -> None:
-    for form, file in TABLES.items():
-        text = client.table_text(sweep.id, form, score="return_history", normalized=True)
-        (folder / file).write_text(text, encoding="utf-8", newline="")
 
 
 def _provenance(swept: Swept) -> dict[str, Any]:
