@@ -32,7 +32,7 @@ from physics.randomness import generator
 from service.api.app import create_app
 from service.settings import Settings
 from service.store.connection import connect
-from service.store.reading import packed
+from service.store.reading import measurements
 from service.store.store import Store
 from workers.messages.random_return import RandomReturn
 from workers.messages.run_spec import RunSpec, Weights
@@ -172,37 +172,30 @@ def measure(settings: Settings) -> None:
     rng = generator(0, "large sweep")
     engine = connect(settings.store_url, "writer")
     with engine.begin() as connection:
-        of_set = packed.set_number(connection, ("critic_loss",))
         numbers = list(connection.scalars(text("SELECT number FROM runs ORDER BY number")))
         for number in numbers:
             walk = rng.standard_normal(POINTS).cumsum()
-            measured = (
-                Measurement(
-                    seed=0,
-                    timestep=EVERY * k,
-                    return_mean=value,
-                    return_history=value - 1.0,
-                    updates=400 * k,
-                    jacobians=EVERY * k,
-                    seconds=0.07 * k + 1e-4 * value,
-                    diagnostics={"critic_loss": value},
-                    compile_seconds=0.25,
-                )
-                for k, value in enumerate((-1000 + 30 * walk + np.arange(POINTS)).tolist(), start=1)
-            )
-            rows = [
-                (number, m.timestep, m.return_mean, m.updates, m.jacobians, of_set, packed.pack(m))
-                for m in measured
-            ]
-            connection.exec_driver_sql(
-                "INSERT INTO measurements (run_number, timestep, return_mean, updates, jacobians,"
-                " diagnostic_set, packed) VALUES (?, ?, ?, ?, ?, ?, ?)",
-                rows,
-            )
+            returns = (-1000 + 30 * walk + np.arange(POINTS)).tolist()
+            taken = [(number, point(k, value)) for k, value in enumerate(returns, start=1)]
+            measurements.add(connection, taken)
         connection.execute(
             text("UPDATE runs SET status = 'succeeded', timestep = timesteps, finished_at = 1.0")
         )
     engine.dispose()
+
+
+def point(k: int, value: float) -> Measurement:
+    return Measurement(
+        seed=0,
+        timestep=EVERY * k,
+        return_mean=value,
+        return_history=value - 1.0,
+        updates=400 * k,
+        jacobians=EVERY * k,
+        seconds=0.07 * k + 1e-4 * value,
+        diagnostics={"critic_loss": value},
+        compile_seconds=0.25,
+    )
 
 
 if __name__ == "__main__":

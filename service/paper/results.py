@@ -85,12 +85,11 @@ class Swept:
     @classmethod
     def of(cls, client: Client, sweep: SweepAnswer) -> "Swept":
         """Ask for it; again where a run began or ended meanwhile, so that all is of one state."""
-        before = client.sweep(sweep.id)
-        found = cls._asked(client, before)
-        while client.sweep(sweep.id).runs != before.runs:
+        while True:
             before = client.sweep(sweep.id)
             found = cls._asked(client, before)
-        return found
+            if client.sweep(sweep.id).runs == before.runs:
+                return found
 
     @classmethod
     def _asked(cls, client: Client, sweep: SweepAnswer) -> "Swept":
