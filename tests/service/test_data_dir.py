@@ -30,6 +30,29 @@ def test_one_that_others_can_enter_is_closed_and_it_is_said(
     assert caplog.messages == [f"Other users could enter {folder}; now they cannot."]
 
 
+@pytest.mark.parametrize(("folder_mode", "name"), [(0o755, "notes.txt"), (0o1777, "token")])
+def test_one_of_other_files_or_of_all_users_is_refused_and_left_as_it_is(
+    tmp_path: Path, folder_mode: int, name: str
+) -> None:
+    folder = tmp_path / "shared"
+    folder.mkdir()
+    (folder / name).touch()
+    folder.chmod(folder_mode)
+    with pytest.raises(RefusalError, match="new or empty directory"), owned(folder):
+        pass
+    assert folder.stat().st_mode & 0o7777 == folder_mode
+    assert [each.name for each in folder.iterdir()] == [name]
+
+
+@pytest.mark.parametrize("name", ["token", "d3pg.sqlite", "lock", "lost+found"])
+def test_one_of_a_service_or_a_new_disk_is_closed(tmp_path: Path, name: str) -> None:
+    folder = tmp_path / "data"
+    folder.mkdir(mode=0o755)
+    (folder / name).touch()
+    make_private(folder)
+    assert mode(folder) == 0o700
+
+
 def test_the_database_is_its_users_alone(tmp_path: Path) -> None:
     file = tmp_path / "d3pg.sqlite"
     Store.open(f"sqlite:///{file}").close()

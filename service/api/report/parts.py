@@ -10,7 +10,7 @@ from typing import Any
 import yaml
 
 from service.analysis.statistics.score_table import ScoreTable, Standing
-from service.api.schemas.run_answer import as_time
+from service.api.schemas.moment import as_time
 from service.api.schemas.statistics_answer import StatisticsAnswer
 from service.model.compared import Compared
 from service.model.request.entry import setting_text

@@ -1,6 +1,5 @@
 """Workers and the queue: who trains what, since when, what waits and why."""
 
-from datetime import datetime
 from typing import Any, Self
 
 from fastapi import APIRouter
@@ -9,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from service.analysis.comparison import grouped
 from service.api.access.authority import MAY_READ
 from service.api.context import TheStore, TheWorkforce
-from service.api.schemas.run_answer import as_time
+from service.api.schemas.moment import Moment, as_time
 from service.model.occupation import Training, WaitingRuns
 from service.model.request.entry import Entries
 
@@ -58,7 +57,7 @@ class TrainingAnswer(BaseModel):
     environment: str
     runs: int
     first_run: str
-    since: datetime
+    since: Moment
     timestep: int = Field(description="Of the run that is least far.")
     timesteps: int
 
@@ -84,7 +83,7 @@ class WaitingAnswer(BaseModel):
     sweep_name: str
     priority: int
     runs: int
-    since: datetime = Field(description="When the first of them was submitted.")
+    since: Moment = Field(description="When the first of them was submitted.")
     reason: str = Field(description="Why they wait.")
 
 

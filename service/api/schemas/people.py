@@ -1,14 +1,13 @@
 """Users, shares and sessions, as requests and answers show them."""
 
-from datetime import datetime
 from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from service.api.place import here
+from service.api.schemas.moment import Moment, as_time
 from service.api.schemas.requests.sweep_edit import distinct
 from service.api.schemas.requests.texts import Name, Request, Text
-from service.api.schemas.run_answer import as_time
 from service.model.caller import ADMINISTRATOR, Scope, Session, Share, User
 
 MAX_SHARED = 50
@@ -78,8 +77,8 @@ class UserAnswer(BaseModel):
 
     name: str
     scope: Scope
-    created_at: datetime
-    revoked_at: datetime | None = Field(description="null while the token is valid.")
+    created_at: Moment
+    revoked_at: Moment | None = Field(description="null while the token is valid.")
 
     @classmethod
     def of(cls, user: User) -> Self:
@@ -149,8 +148,8 @@ class ShareAnswer(BaseModel):
     sweeps: list[str]
     page: str
     made_by: str
-    created_at: datetime
-    expires_at: datetime
+    created_at: Moment
+    expires_at: Moment
 
     @classmethod
     def of(cls, share: Share) -> Self:
@@ -220,8 +219,8 @@ class SessionAnswer(BaseModel):
     id: str
     name: str = Field(description="Of whoever signed in.")
     browser: str = Field(description="As it called itself.")
-    created_at: datetime
-    expires_at: datetime
+    created_at: Moment
+    expires_at: Moment
 
     @classmethod
     def of(cls, session: Session) -> Self:

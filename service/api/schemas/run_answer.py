@@ -1,12 +1,13 @@
 """A run, as answers show it."""
 
 from collections.abc import Mapping
-from datetime import UTC, datetime
+from datetime import datetime
 from typing import Any, Self
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from service.api.place import here
+from service.api.schemas.moment import Moment, as_time
 from service.api.schemas.number import Numbers
 from service.model.move import TRANSITIONS
 from service.model.run import Attempt, Run, RunStatus
@@ -84,9 +85,9 @@ class RunAnswer(BaseModel):
     is_cancelling: bool
     reason: str
     attempt: int
-    created_at: datetime
-    started_at: datetime | None
-    finished_at: datetime | None
+    created_at: Moment
+    started_at: Moment | None
+    finished_at: Moment | None
     fingerprint: Mapping[str, Any] | None = Field(
         description="What the bits depend on; mixed_with says how machines of earlier attempts "
         "differed, whose bits the curve begins with."
@@ -183,8 +184,8 @@ class AttemptAnswer(BaseModel):
         description="The last lines, at most 8 KiB, that the worker printed and logged while it "
         "trained the run; also while it trains. The runs of a cohort share it."
     )
-    started_at: datetime
-    ended_at: datetime | None
+    started_at: Moment
+    ended_at: Moment | None
     fingerprint: Mapping[str, Any] | None
     resumed_timestep: int | None = Field(description="Where it took the run up.")
     note: str = Field(description="What there was to say of its checkpoints; mostly empty.")
@@ -199,8 +200,3 @@ def times(noun: Run | Attempt) -> dict[str, datetime | None]:
     """Return the times of a noun, by the names of their fields."""
     told = {name: value for name, value in vars(noun).items() if name.endswith("_at")}
     return {name: None if value is None else as_time(value) for name, value in told.items()}
-
-
-def as_time(seconds: float) -> datetime:
-    """Return seconds since 1970 as a time in UTC."""
-    return datetime.fromtimestamp(seconds, UTC)

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from datetime import datetime
 from typing import Any, Self
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -17,8 +16,9 @@ from service.analysis.cost import (
 )
 from service.analysis.figures.paper_figure import PAPER
 from service.api.place import here
+from service.api.schemas.moment import Moment, as_time
 from service.api.schemas.number import finite_or_none
-from service.api.schemas.run_answer import MOVES, WeightsAnswer, as_time
+from service.api.schemas.run_answer import MOVES, WeightsAnswer
 from service.model.request.entry import Entries
 from service.model.request.plan import Plan
 from service.model.sweep import RunCounts, Sweep, SweepStatus
@@ -187,7 +187,7 @@ class WebhookAnswer(BaseModel):
     """Where the end of a sweep is told, and how that stands."""
 
     url: str
-    delivered_at: datetime | None = Field(description="When the latest end was told or given up.")
+    delivered_at: Moment | None = Field(description="When the latest end was told or given up.")
     tries: int = Field(description="That have failed since the sweep ended.")
     problem: str = Field(description="Of the last try that failed; empty where it succeeded.")
 
@@ -198,7 +198,7 @@ class SweepHead(BaseModel):
     id: str
     name: str
     owner: str = Field(description="Who submitted it.")
-    created_at: datetime
+    created_at: Moment
     priority: int
     status: SweepStatus
     runs: RunCountsAnswer

@@ -16,7 +16,7 @@ from sqlalchemy import URL, Engine, make_url
 from sqlalchemy.exc import SQLAlchemyError
 
 from service.cli.terminal import AsJson, console, say
-from service.data_dir import owned
+from service.data_dir import LOCK, held, make_private
 from service.refusal import RefusalError
 from service.settings import Settings
 from service.store.connection import Role, connect
@@ -34,6 +34,7 @@ Database = Annotated[
     str | None,
     typer.Option("--database-url", help="Its SQLAlchemy URL; the service's if unset."),
 ]
+UPGRADING = "Upgrading the tables: some 10 s for each million measurements"
 REFUSALS = (RefusalError, FileExistsError, FileNotFoundError, TransferError)
 
 
@@ -41,7 +42,8 @@ REFUSALS = (RefusalError, FileExistsError, FileNotFoundError, TransferError)
 def upgrade(database_url: Database = None, as_json: AsJson = False) -> None:
     """Bring the tables to this version's. The service does so by itself as it starts."""
     url = _url(database_url)
-    with _refusing(), _alone(url), _opened(url, "writer", is_new=True) as engine:
+    waiting = Console(stderr=True).status(UPGRADING)
+    with _refusing(), _alone(url), _opened(url, "writer", is_new=True) as engine, waiting:
         migration.upgrade(engine)
     said = {"database": url.render_as_string(hide_password=True), "is_upgraded": True}
     say(json.dumps(said) if as_json else "The tables are this version's.")
@@ -138,11 +140,17 @@ def _opened(url: str | URL, role: Role, *, is_new: bool = False) -> Iterator[Eng
 
 @contextmanager
 def _alone(*urls: str | URL) -> Iterator[None]:
-    """Hold the folders of SQLite databases against services; a PostgreSQL writer is held anyway."""
+    """Hold the data directories of SQLite databases; a PostgreSQL writer is held anyway.
+
+    A folder that no service has worked in is left as it is: it may be anybody's.
+    """
     folders = {file.absolute().parent for url in urls if (file := _sqlite_file(url))}
-    with ExitStack() as held:
+    with ExitStack() as stack:
         for folder in folders:
-            held.enter_context(owned(folder))
+            if not folder.exists():
+                make_private(folder)
+            if (folder / LOCK).exists():
+                stack.enter_context(held(folder))
         yield
 
 

@@ -87,6 +87,15 @@ def test_a_database_in_use_is_neither_copied_nor_upgraded(url: str, tmp_path: Pa
         assert "broken" not in run("check")
 
 
+def test_a_folder_of_all_users_stays_as_it_is(tmp_path: Path) -> None:
+    folder = tmp_path / "shared"
+    folder.mkdir()
+    folder.chmod(0o1777)
+    assert "this version's" in run("upgrade", "--database-url", f"sqlite:///{folder / 'x.sqlite'}")
+    assert folder.stat().st_mode & 0o7777 == 0o1777
+    assert [each.name for each in folder.iterdir()] == ["x.sqlite"]
+
+
 def test_what_is_not_there_is_not_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("D3PG_DATA_DIR", str(tmp_path))
     assert "there is no database" in run("check", code=1)
