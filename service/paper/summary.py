@@ -19,6 +19,7 @@ from service.paper.evaluation import TASKS
 from service.paper.explained import explained
 from service.paper.measured import ENDED, MeasuredRun, Scale, read_runs, read_scales
 from service.paper.searched import searched
+from service.paper.today import told
 
 COST_TEXT = {"timesteps": "equal timesteps", "seconds": "equal processor time"}
 VERDICTS = ("better", "behind", "not told apart", "not known")
@@ -30,7 +31,7 @@ def summarized(folder: Path) -> str:
     runs, scales = read_runs(folder), read_scales(folder)
     hybrids = grouped(gains(runs, scales), lambda gain: gain.algorithm)
     parts = [part for hybrid, found in hybrids.items() for part in _of_hybrid(hybrid, found)]
-    parts += [*_of_robot(runs, scales), "", *explained(folder)]
+    parts += [*told(runs, scales), "", *_of_robot(runs, scales), "", *explained(folder)]
     known = tuning_file.read(folder)
     return "\n".join([*parts, "", *searched(known)] if known else parts)
 
@@ -89,6 +90,7 @@ def _row(row: str, runs: Sequence[MeasuredRun], scale: Scale) -> tuple[float, st
         sample((np.array(scores) - scale.random) / scale.unit) for scores in (finals, areas)
     )
     counted = f"{final.n} of {len(runs)}"
+    if not final.n:
+        return -np.inf, f"| {row} | - | - | {counted} |"
     shown = f"{final.mean:.3f} [{final.low:.3f}, {final.high:.3f}]"
-    place = final.mean if final.n else -np.inf
-    return place, f"| {row} | {shown} | {under.mean:.3f} | {counted} |"
+    return final.mean, f"| {row} | {shown} | {under.mean:.3f} | {counted} |"

@@ -6,6 +6,7 @@ have, and with its runs that reached their end.
 """
 
 import csv
+import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -13,9 +14,11 @@ from pathlib import Path
 import numpy as np
 
 from service.analysis.comparison import grouped
+from service.analysis.curves import Floats
 from service.analysis.figures import today_figure
 from service.analysis.figures.figure_form import Form
 from service.analysis.overview import Learner, Line, SharedRun, Standing, standings
+from service.analysis.statistics.score import final_score
 from service.paper.evaluation import FEWER_SEEDS, MORE_TASKS, TASKS
 from service.paper.measured import EARLY, ENDED, MeasuredRun, Scale
 
@@ -28,6 +31,10 @@ ROWS = (
 )
 """The learners, in the order of the figure."""
 
+OVER_TASKS = (
+    *("tasks", "runs", "interquartile mean at ddpg's timesteps", "at ddpg's processor time"),
+    *("mean rank", "processor time of a run, ddpg's is 1"),
+)
 COLUMNS = ("learner", "tasks", "runs", "early", "of", "x", "value", "low", "high")
 
 
@@ -63,6 +70,58 @@ def learners(runs: Sequence[MeasuredRun], scales: Mapping[str, Scale]) -> list[L
         for row, own in tasks.items()
         if own
     ]
+
+
+def told(runs: Sequence[MeasuredRun], scales: Mapping[str, Scale]) -> Iterator[str]:
+    """Yield the lines of two tables in Markdown: over all tasks, and the returns in each."""
+    asked = learners(runs, scales)
+    yield "## The learners of today\n"
+    yield from _head("learner", *OVER_TASKS)
+    for learner, standing in zip(asked, standings(asked), strict=True):
+        yield f"| {' | '.join(_over_tasks(learner, standing))} |"
+    shown = [task for task in SHOWN if any(task in learner.runs for learner in asked)]
+    yield "\nMean of the last tenth of each learner's timesteps, normalised:\n"
+    yield from _head("learner", *shown)
+    for learner in asked:
+        cells = (f"{_last_tenth(learner, t):.2f}" if t in learner.runs else "-" for t in shown)
+        yield f"| {learner.label} | {' | '.join(cells)} |"
+
+
+def _head(*names: str) -> Iterator[str]:
+    yield f"| {' | '.join(names)} |"
+    yield "|---" * len(names) + "|"
+
+
+def _over_tasks(learner: Learner, standing: Standing) -> Iterator[str]:
+    yield from (standing.label, str(standing.tasks), str(standing.runs))
+    for line in (standing.by_timesteps, standing.by_time):
+        yield _estimated(*(_at_one(line, y) for y in (line.mean, line.low, line.high)))
+    yield _estimated(standing.rank.value, standing.rank.low, standing.rank.high, decimals=1)
+    times = [np.mean([run.time[-1] for run in own]) for own in learner.runs.values()]
+    yield f"{np.median(times):.2g}"
+
+
+def _at_one(line: Line, values: Floats) -> float:
+    """A line's value where ddpg's runs end; NaN where it starts later."""
+    return float(np.interp(1.0, line.x, values, left=np.nan)) if line.x.size else math.nan
+
+
+def _estimated(value: float, low: float, high: float, *, decimals: int = 2) -> str:
+    if not math.isfinite(value):
+        return "-"
+    return f"{value:.{decimals}f} [{low:.{decimals}f}, {high:.{decimals}f}]"
+
+
+def _last_tenth(learner: Learner, task: str) -> float:
+    """The mean return of a learner's runs over the last tenth of their timesteps."""
+    return float(
+        np.mean(
+            [
+                final_score(run.timesteps, run.returns, run.timesteps[-1])
+                for run in learner.runs[task]
+            ]
+        )
+    )
 
 
 def _counts(run: MeasuredRun) -> bool:

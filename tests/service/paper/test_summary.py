@@ -41,7 +41,34 @@ def test_learners_on_the_cheetah_are_listed_the_best_first(tmp_path: Path) -> No
     *_, first, second, third = lines(tmp_path)
     assert first == ("| sac with learned temperature | 0.800 [0.800, 0.800] | 0.440 | 2 of 2 |")
     assert second.startswith("| ddpg | 0.400")
-    assert third.endswith("| 0 of 2 |")
+    assert third == "| shac | - | - | 0 of 2 |"
+
+
+def test_learners_are_told_over_all_tasks_and_in_each(tmp_path: Path) -> None:
+    """shac reaches twice as far as ddpg in half its time; td3 takes ten times as long."""
+    write_folder(tmp_path, [
+        Runs("Pendulum", "ddpg", [4.0] * 4),
+        Runs("Acrobot", "ddpg", [2.0] * 4),
+        Runs("Pendulum", "shac", [8.0] * 4, cost=0.5),
+        Runs("Acrobot", "td3", [1.0] * 4, cost=10.0),
+    ])  # fmt: skip
+    found = lines(tmp_path)
+    first = found.index("## The learners of today")
+    over, each = (
+        [line for line in part if line.startswith("| ")]
+        for part in (found[first : first + 8], found[first + 8 : first + 15])
+    )
+    assert over[1:] == [
+        "| ddpg | 2 | 8 | 0.30 [0.30, 0.30] | 0.30 [0.30, 0.30] | 1.5 [1.5, 1.5] | 1 |",
+        "| td3 | 1 | 4 | 0.10 [0.10, 0.10] | - | 2.0 [2.0, 2.0] | 10 |",
+        "| shac | 1 | 4 | 0.80 [0.80, 0.80] | 0.80 [0.80, 0.80] | 1.0 [1.0, 1.0] | 0.5 |",
+    ]
+    assert each == [
+        "| learner | Pendulum | Acrobot |",
+        "| ddpg | 0.40 | 0.20 |",
+        "| td3 | - | 0.10 |",
+        "| shac | 0.80 | - |",
+    ]
 
 
 def test_the_page_shows_the_tables_of_the_published_measurements() -> None:
