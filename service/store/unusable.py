@@ -14,7 +14,7 @@ from service.store.refusal import UnfitServerError
 
 OLDEST_SERVER = 14
 ENCODING = "UTF8"
-GENERAL = "Is it up, and D3PG_DATABASE_URL right?"
+GENERAL = "Check that the server is up and that D3PG_DATABASE_URL is right."
 MAKE = "createdb --owner={user} --encoding=UTF8 --template=template0 {database}"
 LOGIN = (
     "Write the password of {user} into ~/.pgpass (HOST:PORT:DATABASE:USER:PASSWORD, chmod 600) or "
