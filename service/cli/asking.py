@@ -36,7 +36,7 @@ def ask(
     max_seeds: Annotated[
         int, typer.Option(help="Seeds of each learner in each task, at most.")
     ] = 128,
-    batch: Annotated[int, typer.Option(help="Seeds added between two looks.")] = 8,
+    batch: Annotated[int, typer.Option(help="Seeds between two looks.")] = 8,
     clip: Annotated[
         float, typer.Option(help="Larger differences of a pair count as this value.")
     ] = 1.0,

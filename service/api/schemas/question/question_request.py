@@ -50,7 +50,7 @@ class QuestionRequest(Request):
     max_seeds: int = Field(
         default=128, ge=1, le=MAX_SEEDS, description="Seeds of each entry in each task, at most."
     )
-    batch: int = Field(default=8, ge=1, le=MAX_SEEDS, description="Seeds added between two looks.")
+    batch: int = Field(default=8, ge=1, le=MAX_SEEDS, description="Seeds between two looks.")
     clip: float = Field(
         default=1.0,
         gt=0,
