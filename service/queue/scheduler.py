@@ -82,7 +82,7 @@ def step(  # noqa: PLR0911, PLR0912  (one an event)
             return _recorded(state, event)
         case Ended(worker, cohort) if state.trains(worker, cohort):
             claim = state.cohorts[worker].claim
-            lose = Lose(claim, "its worker ended before it did")
+            lose = Lose(claim, "its worker ended before the run did")
             return state.freeing(worker), [lose] if claim.runs else []
         case Failed(worker, cohort, error, log_tail) if state.trains(worker, cohort):
             fail = Fail(state.cohorts[worker].claim, error, log_tail)
@@ -172,7 +172,7 @@ def _room(state: State, room: Capacity) -> State:
 def _retired(state: State, worker: str) -> Step:
     """Queue at once what the worker was given too late."""
     cohort = state.cohorts.get(worker)
-    reason = "its worker was retired before it began"
+    reason = "its worker was retired before the run began"
     return state.without(worker), [] if cohort is None else [Release(cohort.claim, reason)]
 
 
@@ -192,7 +192,7 @@ def _pool_lost(state: State, lost: PoolLost, now: float, times: DispatchTimes) -
         idle=(),
         cohorts={},
         pool_is_up=False,
-        problem=f"the cluster is unreachable since {since}: {lost.reason}",
+        problem=f"the cluster has been unreachable since {since}: {lost.reason}",
         lost_since=since,
         restart_at=now + wait,
         restart_wait=min(2 * wait, times.longest_restart),
@@ -212,7 +212,7 @@ def _cancel(state: State, runs: frozenset[str], now: float, times: DispatchTimes
         asked = {run.run_id: run.spec.seed for run in cohort.claim.runs if run.run_id in runs}
         if any(now - cohort.dropped.get(run, now) > times.grace for run in asked):
             state = state.without(worker)
-            reason = "its worker was ended to cancel a neighbour"
+            reason = "its worker was ended to cancel another of its runs"
             commands += [Kill(worker), Release(cohort.claim, reason)]
         elif fresh := asked.keys() - cohort.dropped.keys():
             dropped = {**cohort.dropped, **dict.fromkeys(fresh, now)}
@@ -243,7 +243,7 @@ def _claimed(
     if claim is None:
         return state, []
     if worker not in state.idle:
-        return state, [Release(claim, "its worker was lost before it began")]
+        return state, [Release(claim, "its worker was lost before the run began")]
     first = claim.runs[0]
     version = (first.spec.environment, first.environment_version)
     in_measurement = {cohort.measures for cohort in state.cohorts.values()}

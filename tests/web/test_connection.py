@@ -28,7 +28,7 @@ def test_a_lost_connection_is_told_and_caught_up(
     expect(rows).to_have_count(5)
 
     live.start()
-    expect(banner).to_contain_text("Connected again. Everything since")
+    expect(banner).to_contain_text("Connected again. The page shows all changes since")
     expect(rows).to_have_count(15)
     expect(signed_in.locator("#connection")).to_have_text("Live")
     expect(banner).to_be_hidden()
