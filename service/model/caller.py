@@ -17,7 +17,7 @@ class Scope(StrEnum):
     READ = "read"
     """Reading everything."""
     SUBMIT = "submit"
-    """Submitting sweeps, changing and deleting one's own."""
+    """Submitting sweeps; changing and deleting the caller's own sweeps."""
     ADMIN = "admin"
     """Changing and deleting every sweep; users."""
 

@@ -121,8 +121,8 @@ class Bucket:
         if kinds & SILENT:
             return UnreachableError(
                 errno.EHOSTUNREACH,
-                f"{self._url} does not answer ({type(error).__name__}): is the store up, "
-                "AWS_ENDPOINT_URL right, and its host reachable from here?",
+                f"{self._url} does not answer ({type(error).__name__}): check that the "
+                "store is up, AWS_ENDPOINT_URL is right, and its host is reachable from here",
             )
         if isinstance(error, ImportError):
             return UnavailableError(
@@ -130,7 +130,7 @@ class Bucket:
             )
         return UnavailableError(
             errno.EIO,
-            f"{self._url} cannot be asked ({type(error).__name__}): see D3PG_CHECKPOINTS and "
+            f"{self._url} cannot be used ({type(error).__name__}): check D3PG_CHECKPOINTS and "
             "AWS_ENDPOINT_URL, a URL such as https://s3.example.org",
         )
 
@@ -156,5 +156,5 @@ class Bucket:
                 errno.EAGAIN, f"the store of {self._url} is in trouble or busy ({code or status})"
             )
         return UnavailableError(
-            errno.EIO, f"the store of {self._url} refuses what it was asked ({code or status})"
+            errno.EIO, f"the store of {self._url} refuses the request ({code or status})"
         )

@@ -34,7 +34,7 @@ class StandingPool(DrivenPool):
         except OSError as error:
             raise PoolUnavailableError(
                 f"no process that drives Ray answers at {self._path} ({error.strerror or error}): "
-                "is it being started?"
+                "check that it is running"
             ) from error
         if not is_up:
             raise PoolUnavailableError(

@@ -121,7 +121,7 @@ class Register:
         return self._store.users()
 
     def add_user(self, name: str, scope: Scope) -> str:
-        """Make a user and return its token, which nobody can find out again.
+        """Make a user and return its token, which cannot be found out again.
 
         Raises ImpossibleMoveError.
         """

@@ -45,7 +45,7 @@ def read_cursor(cursor: str | None) -> str | None:
 
 
 def page_of(items: Sequence[Item], limit: int, request: Request, response: Response) -> Page[Item]:
-    """Return the page of `limit + 1` items asked of the store: the last one tells of a next page.
+    """Return the page of `limit + 1` items from the store: the last one means a next page.
 
     Items have an `id`. The Link header (RFC 8288) says where the next page is.
     """

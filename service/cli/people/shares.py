@@ -30,7 +30,7 @@ def share(
         return
     say(made.link)
     say(
-        f"Whoever has this link can read {', '.join(made.sweeps)} until "
+        f"Anybody with this link can read {', '.join(made.sweeps)} until "
         f"{made.expires_at:%Y-%m-%d %H:%M} UTC. To revoke it: d3pg shares revoke {made.id}",
         errors,
     )

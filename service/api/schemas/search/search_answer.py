@@ -177,7 +177,7 @@ class SearchAnswer(BaseModel):
 
 
 def sentence(ladder: Ladder) -> str:
-    """Return what is known of a task: `ddpg noise=0.4 is the best of 6: 0.74`."""
+    """Return the state of a task in words: `ddpg noise=0.4 is the best of 6: 0.74`."""
     if ladder.winner is not None:
         of = ladder.rungs[0].entries
         return f"{ladder.winner.label} is the best of {of}: {ladder.winner.score:.2f}"

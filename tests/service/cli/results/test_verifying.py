@@ -163,7 +163,7 @@ def test_a_run_that_reached_its_end_and_diverges_now_differs(
     output = d3pg("verify", run.id, code=1).stdout
     assert "measurement 2 of 2 and what follows differ" in output
     assert "trained again, it diverged" in output
-    assert "as stored it is succeeded, at timestep 1,600" in output
+    assert "as stored, it is succeeded, at timestep 1,600" in output
 
 
 def test_what_cannot_be_compared_is_a_sentence(
