@@ -24,7 +24,7 @@ SHUTDOWN_SECONDS = 2
 """How long open requests may take to end; then they are cut."""
 
 OVERHEARD = (
-    "D3PG_HOST=%s without TLS: whoever listens on that network can take tokens and sessions; set "
+    "D3PG_HOST=%s without TLS: anybody on that network can read tokens and sessions; set "
     "D3PG_TLS_CERTIFICATE and D3PG_TLS_KEY, or D3PG_PUBLIC_URL to the https:// address of a proxy."
 )
 
@@ -32,7 +32,7 @@ log = logging.getLogger(__name__)
 
 
 def main() -> int:
-    """Serve. A refusal to start is a sentence on standard error and exit code 2."""
+    """Run the server. A refusal to start is a sentence on standard error and exit code 2."""
     parser = argparse.ArgumentParser(prog="python -m service")
     parser.add_argument("--json", action="store_true", help="say as JSON where it is found")
     as_json = parser.parse_args().json

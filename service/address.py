@@ -16,7 +16,7 @@ PREFIX = re.compile(r"(/(?!\.{1,2}(/|$))[\w.~-]+)*", re.ASCII)
 
 @dataclass(frozen=True)
 class Public:
-    """Where browsers and clients find the service, be it behind a proxy or not.
+    """Where browsers and clients find the service, behind a proxy or not.
 
     origin  scheme, host and port, such as https://lab.example
     prefix  what all paths begin with, such as /d3pg; mostly empty
@@ -37,18 +37,18 @@ class Public:
 
     @property
     def is_secure(self) -> bool:
-        """Whether what is sent there is encrypted."""
+        """Whether connections to it are encrypted."""
         return self.origin.startswith("https://")
 
 
 def public_of(url: str) -> Public:
-    """Read a public URL. Raises ValueError for what is none."""
+    """Read a public URL. Raises ValueError for anything else."""
     parts = urlsplit(url)
     prefix = parts.path.rstrip("/")
     is_plain = not (parts.query or parts.fragment or "@" in parts.netloc)
     if parts.scheme not in SCHEMES or not parts.hostname or not is_plain or parts.port == 0:
         raise ValueError(
-            "is no address of a service: write https://HOST, https://HOST:PORT or "
+            "is not an address of a service: write https://HOST, https://HOST:PORT or "
             "https://HOST/PREFIX"
         )
     if not PREFIX.fullmatch(prefix):

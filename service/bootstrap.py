@@ -90,7 +90,7 @@ def pool_of(settings: Settings) -> Pool:
 def filled_shelf(settings: Settings) -> TaskShelf:
     """Return the shelf with the tasks to be served.
 
-    Another process runs each file, and the code of the installed tasks that are not ours.
+    Another process runs each file, and the code of installed tasks that are not part of d3pg.
 
     Raises TaskFileError.
     """

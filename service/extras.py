@@ -1,4 +1,4 @@
-"""Packages of the optional installations (`pip install 'd3pg[...]'`), or what to install."""
+"""Packages of the extras (`pip install 'd3pg[...]'`), or what to install."""
 
 from importlib import import_module
 from types import ModuleType

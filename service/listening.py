@@ -11,7 +11,7 @@ BACKLOG = 2048
 REASONS = {
     errno.EADDRINUSE: "something else listens there: end it, or choose another port with "
     "D3PG_PORT (--port). `d3pg doctor` says whether it is a service of ours",
-    errno.EACCES: "this user may not: choose a port from 1024 on with D3PG_PORT (--port)",
+    errno.EACCES: "this user may not: choose a port of at least 1024 with D3PG_PORT (--port)",
     errno.EADDRNOTAVAIL: "this machine has no such address: correct D3PG_HOST (--host)",
 }
 
@@ -21,11 +21,11 @@ class AddressError(RefusalError):
 
 
 class CertificateError(RefusalError):
-    """The service cannot speak TLS with these files; the text says why."""
+    """The service cannot use TLS with these files; the text says why."""
 
 
 def refuse_unusable(certificate: Path | None, key: Path | None) -> None:
-    """Raise CertificateError for files with which the service could not speak TLS."""
+    """Raise CertificateError for files with which the service could not use TLS."""
     if certificate is None or key is None:
         return
     try:
@@ -41,7 +41,7 @@ def refuse_unusable(certificate: Path | None, key: Path | None) -> None:
 
 
 def _no_password() -> str:
-    """Answer instead of a person at a terminal, whom OpenSSL would ask."""
+    """Answer OpenSSL's question for a password, instead of a person at a terminal."""
     return ""
 
 

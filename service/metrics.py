@@ -1,7 +1,7 @@
-"""What Prometheus is told: how the queue stands, and how fast its parts are.
+"""Metrics for Prometheus: the state of the queue, and how fast its parts are.
 
-What stands in the database or in memory is read when it is asked for; durations and counts are
-noted as they happen, for this process since it started.
+Values in the database or in memory are read on each request; durations and counts are recorded as
+they happen, for this process since it started.
 """
 
 from collections.abc import Iterator, Mapping
@@ -54,7 +54,7 @@ HTTP_SECONDS = Histogram(
 
 
 class Counts(Protocol):
-    """What is asked of the store."""
+    """The queries on the store."""
 
     def count_runs(self) -> Mapping[str, int]:
         """How many runs there are by status."""
@@ -64,7 +64,7 @@ class Counts(Protocol):
 
 
 class PresentState(Collector):
-    """How queue, workers and streams stand at the moment of asking."""
+    """The state of queue, workers and streams at the time of a request."""
 
     def __init__(self, counts: Counts, workers: Mapping[str, bool], streams: int) -> None:
         """`workers` says who is busy, `streams` how many event streams are open."""

@@ -1,4 +1,4 @@
-"""What the service says when it does not start."""
+"""Why the service does not start."""
 
 
 class RefusalError(RuntimeError):

@@ -20,7 +20,7 @@ ENV_PREFIX = "D3PG_"
 
 
 class Settings(BaseSettings):
-    """The service's settings. A wrong one is refused by name when the service starts.
+    """The service's settings. When the service starts, it names each one that is wrong.
 
     The descriptions are what `d3pg serve --help` says; it adds the defaults.
     """
@@ -45,16 +45,16 @@ class Settings(BaseSettings):
     )
     database_url: str = Field(
         default="",
-        description="SQLAlchemy URL of another database than SQLite in the data directory",
+        description="SQLAlchemy URL of the database; SQLite in the data directory if unset",
     )
     ray_address: str = Field(
         default="",
-        description="A Ray cluster to join, instead of a local one of its own",
+        description="Address of a Ray cluster to join; a local Ray if unset",
     )
     driver: Path | None = Field(
         default=None,
-        description="Socket of a process that drives Ray and stands apart, such as in a container; "
-        "a process of the service's own if unset",
+        description="Socket of a separate process that drives Ray, such as in a container; "
+        "the service starts one if unset",
     )
     workers: int = Field(
         default_factory=lambda: len(os.sched_getaffinity(0)),
@@ -63,35 +63,37 @@ class Settings(BaseSettings):
         description="Local worker slots; the cores this process may use if unset",
     )
     min_workers: int = Field(
-        default=1, ge=0, le=4096, description="Kept on a joined cluster, however idle"
+        default=1, ge=0, le=4096, description="Workers to keep on a joined cluster, even if idle"
     )
     max_workers: int = Field(
         default=1024,
         ge=1,
         le=4096,
-        description="Most on a joined cluster, also asked of its autoscaler",
+        description="Workers on a joined cluster, at most; its autoscaler is asked for no more",
     )
     worker_memory: ByteSize | None = Field(
         default=None,
         ge=LEAST_BYTES,
-        description="What the runs of one worker may fill, such as 6GB",
+        description="Memory that the runs of one worker may fill, such as 6GB",
     )
     keep_last: ByteSize = Field(
         default=ByteSize(2 * 10**9),
         ge=0,
-        description="What the last checkpoints of runs that ended may fill, such as 2GB; 0: none",
+        description="Space for the last checkpoints of ended runs, such as 2GB; 0: keep none",
     )
     keep_policies: float | None = Field(
-        default=None, gt=0, description="Days that what a run learned is kept after its end"
+        default=None,
+        gt=0,
+        description="Days to keep what a run learned after its end; for ever if unset",
     )
     keep_events: float | None = Field(
-        default=None, gt=0, description="Days that events of the event stream are kept"
+        default=None, gt=0, description="Days to keep events of the event stream; for ever if unset"
     )
     token: SecretStr | None = Field(
         default=None, description="Access token, instead of the token file's"
     )
     webhook_secret: SecretStr | None = Field(
-        default=None, description="What webhooks are signed with, instead of its file's"
+        default=None, description="Secret that signs webhooks, instead of its file's"
     )
     webhook_hosts: Annotated[tuple[str, ...], NoDecode] = Field(
         default=(),
@@ -103,10 +105,10 @@ class Settings(BaseSettings):
     )
     public_url: str = Field(
         default="",
-        description="Where a proxy makes it reachable, such as https://lab.example/d3pg",
+        description="Address at which a proxy makes it reachable, such as https://lab.example/d3pg",
     )
     tls_certificate: Path | None = Field(
-        default=None, description="File with the certificate chain (PEM), to speak TLS itself"
+        default=None, description="File with the certificate chain (PEM), to serve TLS"
     )
     tls_key: Path | None = Field(default=None, description="File with its private key (PEM)")
 
@@ -144,7 +146,7 @@ class Settings(BaseSettings):
             known = False
         if not known:
             raise ValueError(
-                "a database is named as postgresql://user@host/name or sqlite:////folder/file"
+                "is not a database URL: write postgresql://user@host/name or sqlite:////folder/file"
             )
         return value
 
@@ -158,8 +160,8 @@ class Settings(BaseSettings):
     def _refuse_short_token(cls, value: SecretStr | None) -> SecretStr | None:
         if value is not None and len(value.get_secret_value()) < MIN_TOKEN_LENGTH:
             raise ValueError(
-                f"a token has at least {MIN_TOKEN_LENGTH} characters, so that nobody guesses it; "
-                "leave D3PG_TOKEN unset to have one made"
+                f"a token needs at least {MIN_TOKEN_LENGTH} characters, so that nobody guesses it; "
+                "leave D3PG_TOKEN unset and the service makes one"
             )
         return value
 
@@ -221,7 +223,7 @@ class Settings(BaseSettings):
 
     @property
     def promised_memory(self) -> int:
-        """Bytes that each worker needs of its node; 0 on a local Ray, and where nothing is said."""
+        """Bytes that each worker needs of its node; 0 on a local Ray, and if none are set."""
         is_said = self.worker_memory is not None and bool(self.ray_address)
         return self.run_memory + PROCESS_BYTES if is_said else 0
 
@@ -237,7 +239,7 @@ class Settings(BaseSettings):
 
     @property
     def public(self) -> Public:
-        """Where everybody finds the service: `public_url`, else `url`."""
+        """Where clients find the service: `public_url`, else `url`."""
         return public_of(self.public_url) if self.public_url else Public(self.url)
 
     @property

@@ -1,8 +1,8 @@
 """The task shelf: the task files that a service was given, kept in its data directory.
 
-A file is run by another process, which tells the facts of its tasks. Text and facts are kept, one
-JSON file for each version of each task: runs of a version are trained and played with its text,
-also after the file has changed, and their curves are known when it is not served any more.
+Another process runs a file and returns the facts of its tasks. Text and facts are kept in one JSON
+file for each version of each task: runs of a version are trained and played with its text, even
+after the file has changed, and their curves are known when it is not served any more.
 """
 
 import time

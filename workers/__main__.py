@@ -8,7 +8,7 @@ from workers.driver.settings import DriverSettings
 
 
 def main() -> None:
-    """Drive Ray until a service closes the pool, or none comes."""
+    """Drive Ray until a service closes the pool, or no service connects."""
     settings = DriverSettings.from_arguments()
     try:
         with listening(settings) as listener:

@@ -51,7 +51,7 @@ METRIC_TEXT = {
 
 @dataclass(frozen=True)
 class View:
-    """What is asked of a sweep: a metric over an abscissa, with a band, in so many points.
+    """A view of a sweep: a metric over an abscissa, with a band, in a number of points.
 
     max_points   of a curve; fewer where all lines together would have more than MAX_TOTAL_POINTS
     algorithms   whose runs; empty: all
@@ -69,12 +69,12 @@ class View:
     with_seeds: bool = False
 
     def has(self, spec: RunSpec) -> bool:
-        """Whether runs of that spec are asked for."""
+        """Whether runs of that spec are in the view."""
         is_asked = not self.algorithms or spec.algorithm in self.algorithms
         return is_asked and self.environment in ("", spec.environment)
 
     def points(self, lines: int) -> int:
-        """Return how many points each of so many lines may have."""
+        """Return how many points each line may have, for a number of lines."""
         return min(self.max_points, max(2, MAX_TOTAL_POINTS // max(1, lines)))
 
 
@@ -90,7 +90,7 @@ class SeedCurve:
 
 @dataclass(frozen=True)
 class LabelledCurve:
-    """A curve, and whose it is. `curve.values` [seeds, p] is in the order of `seeds`."""
+    """A curve, and its entry. `curve.values` [seeds, p] is in the order of `seeds`."""
 
     spec: RunSpec
     label: str
@@ -129,7 +129,7 @@ def compare(
     random_returns: Mapping[tuple[str, int], RandomReturn],
     best_return: Callable[[str], float],
 ) -> Comparison:
-    """Return the comparison of those runs of a sweep that the view asks for, in their order.
+    """Return the comparison of those runs of a sweep that are in the view, in their order.
 
     `entries` are those of the sweep's request. `random_returns` are by (environment, version);
     `best_return(environment)` is max_reward times horizon.
@@ -176,7 +176,7 @@ def definition(comparisons: Sequence[Comparison]) -> str:
 
 
 def _cut_short(comparison: Comparison) -> str:
-    """Say which runs ended before their end: beyond it, the mean is of the others alone."""
+    """Say which runs ended early: beyond their ends, the mean is of the others alone."""
     seeds = (seed for panel in comparison.panels for one in panel.curves for seed in one.seeds)
     short = unfinished(seed.status for seed in seeds if seed.status.is_final)
     if not short:

@@ -1,4 +1,4 @@
-"""What a sweep will cost, before it is submitted: core-seconds by cell, from what runs have cost.
+"""The estimated cost of a sweep: core-seconds by cell, from the costs of finished runs.
 
     core-seconds of a cell = rate * timesteps * seeds        wall time = sum over cells / workers
 
@@ -7,9 +7,9 @@ environment, of those with the same settings where there are any. Without finish
 built-in figure of the algorithm's entry in the catalogue; where the entry has none of the task, the
 cell's cost is not known. Runs trained together share their worker's time, so their seconds add up.
 
-What runs have cost is their training alone (`Measurement.seconds`). A worker also evaluates them,
-which is some per cent more and for mpc as much again or twice, and loads kernels, seconds once; the
-first run of its kind on a machine compiles them for a minute.
+The cost of a run is its training alone (`Measurement.seconds`). A worker also evaluates it, which
+adds some per cent, and for mpc once or twice the cost, and loads kernels, which takes seconds; the
+first run of its kind on a machine compiles them, which takes a minute.
 """
 
 import math
@@ -45,7 +45,7 @@ class PastCost:
 
 @dataclass(frozen=True)
 class CellCost:
-    """What all runs of one cell will cost; NaN where nothing is known. `runs` it is learnt from."""
+    """The estimated cost of all runs of one cell; NaN if unknown. It is based on `runs` runs."""
 
     core_seconds: float
     basis: Basis
@@ -64,12 +64,12 @@ def total_core_seconds(costs: Sequence[CellCost]) -> float:
 
 
 def wall_seconds(costs: Sequence[CellCost], workers: int) -> float:
-    """Return how long the known costs take so many workers that do nothing else; NaN for none."""
+    """Return the time that the known costs take a number of idle workers; NaN for none."""
     return total_core_seconds(costs) / workers if workers else math.nan
 
 
 def about(seconds: float) -> str:
-    """Say roughly how long: `about 4 min`; nothing where that is not known."""
+    """Return a rough duration: `about 4 min`; an empty text if it is unknown."""
     if not math.isfinite(seconds):
         return ""
     if seconds < 60:

@@ -1,4 +1,4 @@
-"""Diagnoses as what is shown of them: medians over the seeds of a cell, figures, remarks.
+"""Diagnoses as they are shown: medians over the seeds of a cell, figures, remarks.
 
 The numbers, and how they are found: `algorithms.diagnostics.diagnose`.
 """

@@ -1,14 +1,13 @@
 """Successive halving: how far the entries of a search have climbed, and which go on.
 
-A pure function of the search and of what its runs have measured. Each rung is looked at up to its
-own timesteps, whatever its runs measured after them: its ranking is the same before and after the
-best of it went on.
+A pure function of the search and of what its runs have measured. Each rung is ranked by the
+measurements up to its own timesteps, so that its ranking does not change when the best go on.
 
     score of an entry on a rung = mean over seeds of the normalised score up to T_k
 
 A run that diverged before T_k counts as acting at random (0), because divergence is what the
-algorithm does. An entry with a run that failed or was cancelled before T_k is left out. Of equals
-the first of the request goes on.
+algorithm does. An entry with a run that failed or was cancelled before T_k is left out. Among
+equals, the first of the request goes on.
 """
 
 from collections import Counter
@@ -102,7 +101,7 @@ def ladders(
 
 
 def wanted(climbed: Iterable[Ladder]) -> dict[Cell, int]:
-    """Return the timesteps that cells are to have for the next rung; none where all is decided."""
+    """Return the timesteps that cells shall have for the next rung; none if all is decided."""
     return {
         (ladder.environment, standing.label): ladder.climbs[-1].rung.timesteps
         for ladder in climbed
@@ -159,7 +158,7 @@ def _standing(
 
 
 def _stand(run: RunCurve, timesteps: int) -> Literal["there", "diverged", "failed", "climbing"]:
-    """Say where a run stands on the way to so many timesteps; it may end sooner by itself."""
+    """Return the state of a run on the way to so many timesteps; it may end earlier by itself."""
     has_ended = run.status is RunStatus.SUCCEEDED and run.spec.timesteps >= timesteps
     if len(run.x) and (has_ended or run.x[-1] >= timesteps):
         return "there"

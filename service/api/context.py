@@ -1,4 +1,4 @@
-"""What routes are given: what the application holds, and the sweep or run of their path."""
+"""What routes depend on: parts of the application, and the sweep or run in their path."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any, Protocol
@@ -25,7 +25,7 @@ MAX_COMPARED = 20
 
 
 class Workforce(Protocol):
-    """What the routes ask of whoever dispatches runs to workers."""
+    """What the routes ask of the dispatcher of runs."""
 
     @property
     def problem(self) -> str | None:
@@ -37,7 +37,7 @@ class Workforce(Protocol):
 
 
 class RequestedSide:
-    """The process beside the service, for one request: what its client gave up is not begun."""
+    """The side process, for one request: a call whose client has gone is not begun."""
 
     def __init__(self, side: SideProcess, request: Request) -> None:
         """Call nothing yet; calls come from a thread of the event loop's."""
@@ -83,7 +83,7 @@ SweepIds = Annotated[
     str,
     PathParameter(
         examples=["3f9a0c51b7de"],
-        description="Of a sweep; or of several, joined by `+`, which are then compared as one.",
+        description="Id of a sweep; or ids of several, joined by `+`, which are compared as one.",
     ),
 ]
 RunId = Annotated[str, PathParameter(examples=["3f9a0c51b7de-17"])]
@@ -99,7 +99,7 @@ def _sweep(sweep_id: SweepId, store: TheStore) -> Sweep:
 def _compared(sweep_id: SweepIds, store: TheStore) -> Compared:
     ids = list(dict.fromkeys(sweep_id.split(SEPARATOR)))
     if len(ids) > MAX_COMPARED:
-        reason = f"names {len(ids)} sweeps, at most {MAX_COMPARED} are compared"
+        reason = f"names {len(ids)} sweeps; at most {MAX_COMPARED} can be compared"
         raise InvalidRequest([Fault("sweep_id", reason, MAX_COMPARED)])
     return Compared([_sweep(each, store) for each in ids])
 
@@ -117,7 +117,7 @@ def find_run(run_id: str, store: Store) -> Run:
 
 
 def may_be_id(text: str) -> bool:
-    """Whether it is worth asking the database, which may choke on what no id holds."""
+    """Whether a text can be an id; the database may fail on other characters."""
     return len(text) <= MAX_ID and text.isascii() and text.isprintable()
 
 

@@ -1,7 +1,7 @@
 """The diagnoser: makes the diagnoses that are asked for, one after the other.
 
 They are made in a process of its own, for a few seconds each, so that they hold up neither the
-service nor its figures and rollouts. Which ones wait stands in the database, so none is forgotten
+service nor its figures and rollouts. The waiting ones are in the database, so none is forgotten
 when the service dies: the next one goes on.
 """
 
@@ -94,6 +94,6 @@ class Diagnoser:
             raise UndiagnosedError(str(refusal.detail)) from refusal
         except Exception as error:
             log.warning("a diagnosis failed", run_id=run.id, exc_info=error)
-            reason = f"The diagnosis of run {run.id} could not go on: {error}"
+            reason = f"The diagnosis of run {run.id} failed: {error}"
             raise UndiagnosedError(reason) from error
         return list(found)

@@ -1,4 +1,4 @@
-"""The event log as streams: every change once, in order, to whoever listens.
+"""The event log as streams: every change once, in order, to every listener.
 
 While anybody listens, one task reads the log three times a second and keeps the latest events in
 memory; each stream takes from there what it has not sent, and from the store what is older. A
@@ -136,8 +136,8 @@ class EventFeed:
 def coalesce(events: Iterable[Event]) -> list[Message]:
     """Return events as messages, the measurements of a run merged into the first of them.
 
-    A message has the id up to which all is told with it: of several messages of one event, the last
-    one alone has the event's.
+    The id of a message says that everything up to it was sent: if an event becomes several
+    messages, only the last of them has its id.
     """
     messages: list[Message] = []
     places: dict[str, int] = {}

@@ -1,4 +1,4 @@
-"""What is wrong with the form of a request, field by field; of unknown fields, which was meant."""
+"""What is wrong with the form of a request, field by field, and which field was meant."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, get_args

@@ -1,4 +1,4 @@
-"""Learned: what runs have learned, asked of the process beside the service."""
+"""What runs have learned, read and used in the side process."""
 
 from typing import Annotated, Any
 
@@ -28,8 +28,8 @@ class Learned:
         """What a function of `(checkpoints, run id, spec, task file, *arguments)` returns.
 
         Raises:
-            ImpossibleMove: while the run has learned nothing that was written, where that cannot
-                be read, and where the service has no or another version of the run's task.
+            ImpossibleMove: if no policy of the run was written yet, if it cannot be read, or if the
+                service has no or another version of the run's task.
             ServiceBusy: where it cannot be done now.
         """
         file = self._file_of(run)
@@ -45,16 +45,18 @@ class Learned:
             raise ImpossibleMove(f"What run {run.id} learned cannot be read: {damage}.") from damage
         except EOFError as death:
             raise ServiceBusy(
-                f"What run {run.id} learned cannot be used now: the process that did so died."
+                f"What run {run.id} learned cannot be used now: the process that used it died."
             ) from death
         except (BusyError, TooSlowError) as error:
-            raise ServiceBusy(f"The policy of run {run.id} cannot be had now: {error}.") from error
+            raise ServiceBusy(
+                f"The policy of run {run.id} is not available now: {error}."
+            ) from error
         if answer is None:
             raise ImpossibleMove(_no_policy(run))
         return answer
 
     def refuse_missing(self, run: Run) -> None:
-        """Raise what `call` would, as far as that is seen without reading what was learned."""
+        """Raise what `call` would raise, as far as can be seen without reading the policy."""
         self._file_of(run)
         try:
             is_there = has_policy(self._checkpoints, run.id)
@@ -66,7 +68,7 @@ class Learned:
             raise ImpossibleMove(_no_policy(run))
 
     def _file_of(self, run: Run) -> TaskFile | None:
-        """The file of the run's task, if it is of one. Raises ImpossibleMove."""
+        """The file that the run's task is from, if any. Raises ImpossibleMove."""
         file = self._shelf.file_of(run.spec.environment, run.environment_version)
         if file is None:
             _refuse_another_version(run)

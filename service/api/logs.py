@@ -104,7 +104,7 @@ class AccessLog:
 
 
 def note_request(scope: Scope, status: int, seconds: float) -> None:
-    """Count a request under its route's template: what a client made up is no label."""
+    """Count a request under its route's template: unknown paths get no label of their own."""
     method = scope["method"] if scope["method"] in METHODS else "other"
     HTTP_SECONDS.labels(method, _template(scope), status).observe(seconds)
 

@@ -13,8 +13,8 @@ def asked_form(
 ) -> AnyForm:
     """Return the form that was named, else the one accepted with the greatest weight.
 
-    Without either, or where nothing that is accepted can be had: the first form. Of forms equally
-    welcome, too, the first.
+    Without either, or if no form is accepted, return the first form. Among forms of equal weight,
+    return the first, too.
     """
     if named is not None:
         return named

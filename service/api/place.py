@@ -1,4 +1,4 @@
-"""Below which path the service is found: what the links of its answers and pages begin with."""
+"""The path below which the service is found; links in answers and pages begin with it."""
 
 from contextvars import ContextVar
 
@@ -8,12 +8,12 @@ ROOT: ContextVar[str] = ContextVar("root", default="")
 
 
 def here(path: str) -> str:
-    """Return a path of the service, from `/` on, as whoever asks has to write it."""
+    """Return a path of the service, from `/` on, as clients must write it."""
     return f"{ROOT.get()}{path}"
 
 
 class PublicPrefix:
-    """Takes the prefix of the public address off paths, where a proxy has left it there."""
+    """Removes the prefix of the public address from paths, if a proxy has left it there."""
 
     def __init__(self, app: ASGIApp, prefix: str) -> None:
         """Stand before `app`."""

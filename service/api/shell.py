@@ -41,7 +41,7 @@ def problem_page(
 ) -> HTMLResponse:
     """Return a page that says what is wrong and what to do.
 
-    Where nobody is signed in that is to paste the token; it then leads on to the address that was
+    Without a sign-in, that is to paste the token; the page then leads to the address that was
     `wanted`.
     """
     is_signed_out = status == HTTPStatus.UNAUTHORIZED

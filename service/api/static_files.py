@@ -1,7 +1,7 @@
 """The files that pages are made of: their version, and the modules that each script imports.
 
-They are read once, when the service starts. Whoever changes one starts the service again, as after
-a change of its code.
+They are read once, when the service starts. After a change of one, restart the service, as after a
+change of its code.
 """
 
 import hashlib
@@ -15,7 +15,7 @@ IMPORT = re.compile(r"""^(?:import|export)\b(?:[\w$*{},\s]+\bfrom)?\s*["']([^"']
 
 
 class UnresolvedImportError(ValueError):
-    """Modules that import what is not there."""
+    """Modules import files that do not exist."""
 
 
 class StaticFolder:

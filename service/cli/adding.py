@@ -21,7 +21,7 @@ DryRun = Annotated[
 
 def add(
     sweep_id: SweepId,
-    seeds: Annotated[str | None, typer.Option(help="New ones: 16,17 or 16-31.")] = None,
+    seeds: Annotated[str | None, typer.Option(help="Seeds to add: 16,17 or 16-31.")] = None,
     algorithm: Annotated[
         list[str] | None,
         typer.Option("--algorithm", "-a", help=f"{ALGORITHM_TEXT}; may be repeated."),
@@ -47,7 +47,7 @@ def add(
 
 def extend(
     sweep_id: SweepId,
-    timesteps: Annotated[int, typer.Option(help="Of each run, from its start.")],
+    timesteps: Annotated[int, typer.Option(help="Timesteps of each run, counted from its start.")],
     dry_run: DryRun = False,
     as_json: AsJson = False,
 ) -> None:
@@ -60,7 +60,7 @@ def extend(
 
 
 def say_grown(sweep: SweepAnswer, as_json: bool) -> None:
-    """Print how a sweep stands now."""
+    """Print the status of a sweep and its runs by status."""
     if as_json:
         print_json(sweep)
     else:
@@ -74,5 +74,5 @@ def seeds_of(text: str) -> list[int]:
         return [seed for first, *last in ranges for seed in range(first, (*last, first)[0] + 1)]
     except ValueError as error:
         raise typer.BadParameter(
-            f"{text!r} are no seeds: write 16,17 or 16-31", param_hint="--seeds"
+            f"{text!r} is not a list of seeds: write 16,17 or 16-31", param_hint="--seeds"
         ) from error

@@ -45,7 +45,7 @@ def values_of(text: str) -> Any:
 
 def _set(target: Json, text: str, key: str, value: Any) -> None:
     if key in target or not key:
-        raise _refusal(text, f"it names {key} twice" if key else "it sets what has no name")
+        raise _refusal(text, f"it names {key} twice" if key else "it has a value without a name")
     target[key] = value
 
 
@@ -58,6 +58,6 @@ def _pair(text: str, part: str) -> Json:
 
 def _refusal(text: str, reason: str) -> typer.BadParameter:
     return typer.BadParameter(
-        f"{text!r} is no algorithm: {reason}. Write {ALGORITHM_TEXT}, as in {EXAMPLE}",
+        f"{text!r} is not an algorithm: {reason}. Write {ALGORITHM_TEXT}, as in {EXAMPLE}",
         param_hint="--algorithm",
     )

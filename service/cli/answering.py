@@ -1,4 +1,4 @@
-"""Commands whose exit codes 0, 1 and 2 are answers: what goes wrong has codes of its own.
+"""Commands whose exit codes 0, 1 and 2 are answers: failures have codes of their own.
 
     64  the command was called wrongly
     65  the service refused what was asked
@@ -24,7 +24,7 @@ from service.cli.terminal import say
 from service.client import ServiceError
 
 USAGE_OF_OTHERS = 2
-"""What typer exits with where a command was called wrongly."""
+"""The exit code of typer for a command that was called wrongly."""
 
 
 class AnsweringCommand(TyperCommand):
@@ -36,14 +36,14 @@ class AnsweringCommand(TyperCommand):
             return super().make_context(*args, **extra)
 
     def invoke(self, ctx: Any) -> Any:
-        """Carry the command out."""
+        """Run the command."""
         with trouble_apart():
             return super().invoke(ctx)
 
 
 @contextmanager
 def trouble_apart() -> Iterator[None]:
-    """Have what goes wrong exit with a code above those of answers."""
+    """Make failures exit with codes above those of answers."""
     try:
         yield
     except ServiceError as error:

@@ -1,8 +1,8 @@
 """The commands of `d3pg`, each in the file of its kind.
 
 Exit codes: 0 done; 1 the service refused, a check failed, or a run of the watched sweep failed; 2
-the command was called wrongly; 130 interrupted. Those of `ask` are answers (`service.cli.answering`
-has what it exits with where it has none).
+the command was called wrongly; 130 interrupted. Those of `ask` are answers; its failures have the
+codes of `service.cli.answering`.
 """
 
 from __future__ import annotations
@@ -67,7 +67,8 @@ app.command(cls=AnsweringCommand)(ask)
 @app.command()
 def token(
     header: Annotated[
-        bool, typer.Option("--header", help="As the header, for curl -H @<(d3pg token --header).")
+        bool,
+        typer.Option("--header", help="Print it as a header, for curl -H @<(d3pg token --header)."),
     ] = False,
     as_json: AsJson = False,
 ) -> None:
@@ -79,12 +80,12 @@ def token(
 
 @app.command(name="demo")
 def run_demo(
-    once: Annotated[bool, typer.Option("--once", help="End with the sweep.")] = False,
+    once: Annotated[bool, typer.Option("--once", help="Exit when the sweep has ended.")] = False,
     as_json: AsJson = False,
 ) -> None:
     """Start the service, train a small sweep for real and show its curves; until Ctrl-C.
 
-    With --json: a line with the sweep's id and the link, then a line a change, as `watch` has them.
+    With --json: print a line with the sweep's id and the link, then one for each change.
     """
     raise typer.Exit(demo.run(once=once, as_json=as_json))
 
@@ -94,7 +95,7 @@ def main() -> None:
     try:
         app()
     except (ServiceError, OSError) as error:
-        if isinstance(error, BrokenPipeError):  # whoever read our output has had enough
+        if isinstance(error, BrokenPipeError):  # the reader of our output has closed it
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         else:
             say(str(error), Console(stderr=True, style="red"))

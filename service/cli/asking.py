@@ -1,4 +1,4 @@
-"""`d3pg ask`: whether a learner beats another one, with as many seeds as that takes."""
+"""`d3pg ask`: decide whether a learner beats another one; seeds are added until it is decided."""
 
 from __future__ import annotations
 
@@ -29,17 +29,30 @@ def ask(
         list[str], typer.Option("--environment", "-e", help="A task; may be repeated.")
     ],
     score: Annotated[str, typer.Option(help='area, final, or "seconds to X".')] = "area",
-    margin: Annotated[float, typer.Option(help="Differences below it do not matter.")] = 0.02,
-    confidence: Annotated[float, typer.Option(help="Of all decisions together.")] = 0.95,
-    max_seeds: Annotated[int, typer.Option(help="Of each learner in each task.")] = 128,
+    margin: Annotated[
+        float, typer.Option(help="Differences below this value do not matter.")
+    ] = 0.02,
+    confidence: Annotated[float, typer.Option(help="Confidence of all decisions together.")] = 0.95,
+    max_seeds: Annotated[
+        int, typer.Option(help="Seeds of each learner in each task, at most.")
+    ] = 128,
     batch: Annotated[int, typer.Option(help="Seeds between two looks.")] = 8,
-    clip: Annotated[float, typer.Option(help="A difference counts as at most so much.")] = 1.0,
+    clip: Annotated[
+        float, typer.Option(help="Larger differences of a pair count as this value.")
+    ] = 1.0,
     method: Annotated[str, typer.Option(help="bounded or normal.")] = "bounded",
     drop_losers: Annotated[
-        bool, typer.Option("--drop-losers", help="Worse in one task, no more seeds in others.")
+        bool,
+        typer.Option(
+            "--drop-losers", help="Add no more seeds to a learner that is worse in one task."
+        ),
     ] = False,
-    timesteps: Annotated[int | None, typer.Option(help="Of each run; the preset's.")] = None,
-    name: Annotated[str | None, typer.Option(help="Any text; the question.")] = None,
+    timesteps: Annotated[
+        int | None, typer.Option(help="Timesteps of each run; the preset's if unset.")
+    ] = None,
+    name: Annotated[
+        str | None, typer.Option(help="Name of the sweep; the question if unset.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Ask whether A beats B, and wait for the answer; the service adds seeds until it is decided.
@@ -85,14 +98,14 @@ def sides_of(question: str) -> tuple[list[str], str]:
     ours, theirs = [each.strip() for each in left.split(" and ")], right.strip()
     if not versus or not all(ours) or not theirs or " vs " in theirs:
         raise typer.BadParameter(
-            f'{question!r} is no question: write "A vs B", as in "hybrid-ddpg vs ddpg"',
+            f'{question!r} is not a question: write "A vs B", as in "hybrid-ddpg vs ddpg"',
             param_hint="QUESTION",
         )
     return ours, theirs
 
 
 def exit_code(verdict: VerdictAnswer) -> int:
-    """Return what the verdict says: YES, NO or UNDECIDED."""
+    """Return the exit code of a verdict: YES, NO or UNDECIDED."""
     outcomes = {each.outcome for each in verdict.comparisons}
     if "worse" in outcomes:
         return NO

@@ -1,4 +1,4 @@
-"""`d3pg edit` and `rm`: how a sweep is described, found and ranked; deleting sweeps."""
+"""`d3pg edit` and `rm`: change the description of a sweep; delete sweeps."""
 
 from __future__ import annotations
 
@@ -16,21 +16,25 @@ from service.client import Client
 
 def edit(
     sweep_id: SweepId,
-    name: Annotated[str | None, typer.Option(help="Any text.")] = None,
+    name: Annotated[str | None, typer.Option(help="New name; any text.")] = None,
     notes: Annotated[str | None, typer.Option(help="Markdown, shown as text.")] = None,
     tag: Annotated[
-        list[str] | None, typer.Option(help="Replaces its tags; may be repeated.")
+        list[str] | None, typer.Option(help="Tag that replaces the present ones; may be repeated.")
     ] = None,
-    untag: Annotated[bool, typer.Option("--untag", help="Take all its tags away.")] = False,
+    untag: Annotated[bool, typer.Option("--untag", help="Remove all tags.")] = False,
     archive: Annotated[
-        bool | None, typer.Option("--archive/--unarchive", help="Out of the lists, or back.")
+        bool | None,
+        typer.Option("--archive/--unarchive", help="Hide the sweep from lists, or show it again."),
     ] = None,
-    priority: Annotated[int | None, typer.Option(help="Higher goes first.")] = None,
+    priority: Annotated[
+        int | None, typer.Option(help="Sweeps of higher priority start first.")
+    ] = None,
     max_workers: Annotated[
-        int | None, typer.Option(help="Of it at once; 0 lifts the limit.")
+        int | None,
+        typer.Option(help="Workers that may train the sweep at once; 0 removes the limit."),
     ] = None,
     webhook: Annotated[
-        str | None, typer.Option(help="URL that is told of its end; none: nobody.")
+        str | None, typer.Option(help="URL to notify when the sweep has ended; none removes it.")
     ] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -59,7 +63,7 @@ def rm(
     yes: Annotated[bool, typer.Option("--yes", "-y", help="Do not ask.")] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Delete sweeps that have ended, with all that they measured and learned, for good."""
+    """Delete sweeps that have ended, with their measurements and policies, for good."""
     with Client() as client:
         if not yes:
             for sweep_id in sweep_ids:

@@ -30,16 +30,16 @@ Progressed = Callable[[SweepAnswer], None]
 
 
 def watch(sweep_id: SweepId, as_json: AsJson = False) -> None:
-    """Follow a sweep to its end: progress, ETA, where its curves stand."""
+    """Follow a sweep to its end: progress, ETA and latest values of its curves."""
     with Client() as client:
         code = follow(client, sweep_id, console, as_json=as_json)
     raise typer.Exit(code)
 
 
 def follow(client: Client, sweep_id: str, console: Console, *, as_json: bool = False) -> int:
-    """Show a sweep until it ends; the exit code: 0 if no run failed or diverged, else 1.
+    """Show a sweep until it ends. Return the exit code: 0 if no run failed or diverged, else 1.
 
-    Raises KeyboardInterrupt, having said that the sweep goes on.
+    On KeyboardInterrupt, say that the sweep goes on, and raise it again.
     """
     sweep = client.sweep(sweep_id)
     try:
@@ -59,7 +59,7 @@ def follow(client: Client, sweep_id: str, console: Console, *, as_json: bool = F
 
 
 def say_findings(client: Client, sweep: SweepAnswer, console: Console = console) -> None:
-    """Print what a sweep's question or search has come to, where it has one."""
+    """Print the results so far of a sweep's question and search, if it has them."""
     if sweep.request.get("question"):
         say_verdict(client.verdict(sweep.id), console)
     if sweep.request.get("search"):
@@ -75,7 +75,7 @@ def say_search(found: SearchAnswer, console: Console = console) -> None:
 
 
 def say_verdict(verdict: VerdictAnswer, console: Console = console) -> None:
-    """Print what a question has come to: a line a comparison, and the sentence for a paper."""
+    """Print the results of a question: a line a comparison, and the sentence for a paper."""
     for each in verdict.comparisons:
         say(f"{each.environment}: {each.label} vs {each.against}: {each.sentence}", console)
     if verdict.is_settled:
@@ -116,9 +116,9 @@ def _follow_live(client: Client, sweep: SweepAnswer, console: Console) -> SweepA
 
 
 def _follow_lines(client: Client, sweep: SweepAnswer, console: Console) -> SweepAnswer:
-    """Plain lines, one for every tenth of the way: what a log file wants.
+    """Print a plain line for each tenth of the progress, as suits a log file.
 
-    A sweep that is given more runs, as by its question, goes that way again.
+    If a sweep gets more runs, as from its question, its progress falls and lines are repeated.
     """
     shown = -1
     starting = ""
@@ -189,7 +189,7 @@ def _latest(curve: CurveAnswer) -> tuple[str, str, str]:
 
 
 def counts_text(sweep: SweepHead) -> str:
-    """The runs by status, those there are: `2 running, 14 queued`."""
+    """The number of runs by status, zeros left out: `2 running, 14 queued`."""
     counts = sweep.runs.model_dump(exclude={"total"})
     return ", ".join(f"{count} {status}" for status, count in counts.items() if count)
 

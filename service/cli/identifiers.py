@@ -1,7 +1,7 @@
 """Arguments that name sweeps, runs, algorithms and tasks: beginnings suffice, the shell completes.
 
-An id may be cut short to a beginning that no other sweep's has, of a run's the sweep's part
-(`3f9a-17`).
+An id may be shortened to a beginning that no other sweep's id has. In the id of a run, the part of
+the sweep may be shortened (`3f9a-17`).
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def whole_id(text: str) -> str:
 
 
 def whole_ids(text: str) -> str:
-    """Do as `whole_id` with each of several ids that are joined, as `3f9a+b2`."""
+    """Apply `whole_id` to each of several joined ids, such as `3f9a+b2`."""
     return SEPARATOR.join(map(whole_id, text.split(SEPARATOR)))
 
 
@@ -56,7 +56,7 @@ def _beginning(client: Client, text: str) -> Iterator[ListedSweepAnswer]:
 
 
 def complete_sweep(incomplete: str) -> list[tuple[str, str]]:
-    """Offer the sweeps whose ids begin so, with their names."""
+    """Offer the sweeps whose ids begin with the text, with their names."""
     with suppress(ServiceError), Client(timeout_seconds=3.0) as client:
         found = islice(_beginning(client, incomplete), MOST_OFFERED)
         return [(sweep.id, plain(sweep.name)) for sweep in found]
@@ -64,7 +64,7 @@ def complete_sweep(incomplete: str) -> list[tuple[str, str]]:
 
 
 def complete_id(incomplete: str) -> list[tuple[str, str]]:
-    """Offer sweeps, and of one that is whole its runs."""
+    """Offer sweeps; after a whole sweep id, the runs of the sweep."""
     sweep_id, dash, _ = incomplete.partition("-")
     if not dash:
         return complete_sweep(incomplete)
@@ -76,12 +76,12 @@ def complete_id(incomplete: str) -> list[tuple[str, str]]:
 
 
 def complete_algorithm(incomplete: str) -> list[tuple[str, str]]:
-    """Offer the algorithms whose names begin so."""
+    """Offer the algorithms whose names begin with the text."""
     return _from_catalogue(incomplete, "algorithms")
 
 
 def complete_environment(incomplete: str) -> list[tuple[str, str]]:
-    """Offer the tasks whose names begin so."""
+    """Offer the tasks whose names begin with the text."""
     return _from_catalogue(incomplete, "environments")
 
 

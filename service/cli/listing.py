@@ -1,4 +1,4 @@
-"""`d3pg ls` and `d3pg show`: sweeps and runs as they stand."""
+"""`d3pg ls` and `d3pg show`: list and show sweeps and runs."""
 
 from __future__ import annotations
 
@@ -32,11 +32,16 @@ WIDE = 140
 
 def ls(
     sweep_id: MaybeSweepId = None,
-    status: Annotated[str | None, typer.Option(help="Only those that stand there.")] = None,
+    status: Annotated[
+        str | None, typer.Option(help="Only sweeps or runs with this status.")
+    ] = None,
     algorithm: Annotated[
         str | None,
         typer.Option(
-            "--algorithm", "-a", help="Only what is of it.", autocompletion=complete_algorithm
+            "--algorithm",
+            "-a",
+            help="Only sweeps or runs of this algorithm.",
+            autocompletion=complete_algorithm,
         ),
     ] = None,
     environment: Annotated[
@@ -44,7 +49,7 @@ def ls(
         typer.Option(
             "--environment",
             "-e",
-            help="Only what is in this task.",
+            help="Only sweeps or runs in this task.",
             autocompletion=complete_environment,
         ),
     ] = None,
@@ -52,10 +57,10 @@ def ls(
         str | None,
         typer.Option("--search", "-q", help="Only sweeps with this text in name, notes or tags."),
     ] = None,
-    tag: Annotated[str | None, typer.Option(help="Only sweeps with it.")] = None,
-    owner: Annotated[str | None, typer.Option(help="Only sweeps that they submitted.")] = None,
+    tag: Annotated[str | None, typer.Option(help="Only sweeps with this tag.")] = None,
+    owner: Annotated[str | None, typer.Option(help="Only sweeps that this user submitted.")] = None,
     archived: Annotated[bool, typer.Option("--archived", help="Only archived sweeps.")] = False,
-    limit: Annotated[int, typer.Option(min=1, help="At most so many.")] = 50,
+    limit: Annotated[int, typer.Option(min=1, help="Number of rows to list, at most.")] = 50,
     as_json: AsJson = False,
 ) -> None:
     """List sweeps, newest first, or the runs of one."""
@@ -106,7 +111,7 @@ def list_sweeps(sweeps: list[ListedSweepAnswer], limit: int, as_json: bool) -> N
 
 
 def owner_text(sweep: SweepHead) -> str:
-    """Whose a sweep is; empty of the administrator's, whose all are where nobody else is."""
+    """The owner of a sweep; empty for the administrator, who owns all where there are no users."""
     return "" if sweep.owner == ADMINISTRATOR else sweep.owner
 
 
@@ -162,7 +167,7 @@ def show(identifier: Identifier, as_json: AsJson = False) -> None:
 
 
 def show_sweep(sweep: SweepAnswer, url: str) -> None:
-    """Print a sweep, a line a fact."""
+    """Print a sweep, one fact in a line."""
     say(f"sweep      {sweep.id}")
     say(f"name       {sweep.name}")
     say(f"status     {sweep.status}, {sweep.progress:.0%} {eta_text(sweep)}".rstrip())
@@ -181,7 +186,7 @@ def show_sweep(sweep: SweepAnswer, url: str) -> None:
 
 
 def show_run(run: RunAnswer, attempts: list[AttemptAnswer]) -> None:
-    """Print a run, a line a fact, then its attempts and what the last one printed."""
+    """Print a run, one fact in a line, then its attempts and the log of the last one."""
     settings = ", ".join(f"{name} = {setting_text(value)}" for name, value in run.config.items())
     w1, w2 = map(setting_text, run.weights.pair)
     say(f"run        {run.id}")

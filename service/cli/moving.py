@@ -27,7 +27,7 @@ def command_of(asked: Move) -> Callable[[list[str], bool], None]:
 
 
 def move(identifiers: list[str], asked: Move, as_json: bool) -> None:
-    """Ask for a move and print where that leaves things; of several in one request."""
+    """Ask for a move, in one request for all ids, and print the new status."""
     with Client() as client:
         if len(identifiers) > 1:
             say_moved(client.move_all(identifiers, asked), TRANSITIONS[asked].change, as_json)

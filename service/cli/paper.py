@@ -1,6 +1,6 @@
 """`d3pg paper`: the paper's evaluation, from its sweeps to its figures, and its tuning.
 
-With --json, standard output has one JSON value, of what was written, and all else is said on
+With --json, standard output has one JSON value that says what was written. All other messages go to
 standard error.
 """
 
@@ -46,9 +46,9 @@ def run(
 ) -> None:
     """Run the whole evaluation, or go on with it, and write its results.
 
-    Uses the service that answers at D3PG_URL, else starts one in D3PG_DATA_DIR. Interrupted, it
-    goes on from the last checkpoints when it is called again with the same seeds and scale. Sweeps
-    that the folder has whole, trained by this code, are not trained again by a new service.
+    Uses the service that answers at D3PG_URL, else starts one in D3PG_DATA_DIR. After an
+    interruption, call it again with the same seeds and scale: it goes on from the last checkpoints.
+    A new service does not train sweeps that are complete in the folder and trained by this code.
     """
     if context.invoked_subcommand is not None:
         return
@@ -65,8 +65,12 @@ def run(
 
 @app.command(name="write")
 def write_results(
-    seeds: Annotated[int, typer.Option(min=1, help="Of the evaluation.")] = SEEDS,
-    scale: Annotated[float, typer.Option(min=0.001, max=1, help="Of the evaluation.")] = 1.0,
+    seeds: Annotated[
+        int, typer.Option(min=1, help="Runs of each curve in the evaluation, at most.")
+    ] = SEEDS,
+    scale: Annotated[
+        float, typer.Option(min=0.001, max=1, help="Share of the timesteps in the evaluation.")
+    ] = 1.0,
     output: Output = Path("results"),
     as_json: AsJson = False,
 ) -> None:
@@ -87,16 +91,16 @@ def derive(output: Output = Path("results"), as_json: AsJson = False) -> None:
 
 @app.command()
 def summary(output: Output = Path("results"), as_json: AsJson = False) -> None:
-    """Print what the folder's measurements say to the evaluation's questions, in Markdown."""
+    """Print the answers of the folder's measurements to the evaluation's questions, in Markdown."""
     text = summarized(output)
     typer.echo(json.dumps({"markdown": text}) if as_json else text)
 
 
 @app.command()
 def tune(output: Output = Path("results"), as_json: AsJson = False) -> None:
-    """Run the searches that choose the presets, or go on with them; writes tuning.csv.
+    """Run the searches that choose the presets, or go on with them, and write tuning.csv.
 
-    Searches that the folder's tuning.csv has whole are not made again.
+    Searches that are complete in the folder's tuning.csv are not made again.
     """
     told = console_of(as_json)
     rows = tuning_file.read(output)
@@ -132,7 +136,7 @@ def tune(output: Output = Path("results"), as_json: AsJson = False) -> None:
 
 @app.command()
 def presets(output: Output = Path("results"), as_json: AsJson = False) -> None:
-    """Write algorithms/presets.toml from the folder's tuning.csv, which has to be whole."""
+    """Write algorithms/presets.toml from the folder's tuning.csv, which must be complete."""
     try:
         text = preset_file.as_toml(preset_file.presets_of(tuning_file.read(output)))
     except ValueError as reason:
@@ -149,7 +153,7 @@ def search(
     output: Path,
     told: Console,
 ) -> list[Outcome]:
-    """Run searches, the first first; write what is known after each, and return it."""
+    """Run searches in order; write the known outcomes after each search, and return them."""
     sweeps = [
         submitted(client, {**request, "priority": -place})
         for place, request in enumerate(requests)
@@ -164,13 +168,13 @@ def search(
 
 
 def console_of(as_json: bool) -> Console:
-    """Where the commands say how it goes."""
+    """The console for messages on progress."""
     return errors if as_json else console
 
 
 @contextmanager
 def any_service(told: Console) -> Iterator[Client]:
-    """The service that answers already, else one of the command's own."""
+    """Yield a client of the service that answers, else of one that the command starts."""
     try:
         client = Client()
         client.readiness()
@@ -189,7 +193,7 @@ def any_service(told: Console) -> Iterator[Client]:
 
 
 def submitted(client: Client, request: Mapping[str, Any]) -> SweepAnswer:
-    """The sweep of that request, which is queued once however often this is called."""
+    """Submit a request, once however often this is called, and return its sweep."""
     text = json.dumps(request, sort_keys=True)
     with warnings.catch_warnings(action="ignore", category=SubmissionNotice):  # it means all of it
         return client.submit(request, f"paper {hashlib.sha256(text.encode()).hexdigest()[:32]}")
@@ -198,9 +202,9 @@ def submitted(client: Client, request: Mapping[str, Any]) -> SweepAnswer:
 def wanted(
     client: Client, requests: Sequence[Mapping[str, Any]], output: Path, told: Console
 ) -> tuple[list[Mapping[str, Any]], Former]:
-    """The sweeps to ask the service for, and what the folder has of the others; says which.
+    """Return the requests for the service, and what the folder has of the other sweeps.
 
-    Others are whole in the folder, and the service, which may be a new one, does not have them.
+    The other sweeps are complete in the folder, and a new service does not have them. Prints which.
     """
     held = [client.sweep(sweep.id).request for sweep in client.sweeps(archived=None)]
     whole = whole_sweeps(output, [request for request in requests if request not in held])
@@ -212,7 +216,7 @@ def wanted(
 def write(
     client: Client, sweeps: Iterable[SweepAnswer], output: Path, kept: Former, as_json: bool
 ) -> None:
-    """Write the results of the sweeps as they now stand, and say what is lacking."""
+    """Write the present results of the sweeps, and say what is missing."""
     now = [client.sweep(sweep.id) for sweep in sweeps]
     lacking = list(results.write(client, now, output, kept))
     counts = [sweep.runs.model_dump() for sweep in now]

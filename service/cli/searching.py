@@ -36,17 +36,19 @@ def search(
     budget: Annotated[int, typer.Option(help="Timesteps of all runs together, at most.")],
     grid: Annotated[
         list[str] | None,
-        typer.Option(help="NAME=VALUE,VALUE,... of every learner; may be repeated."),
+        typer.Option(help="Setting of every learner: NAME=VALUE,VALUE,...; may be repeated."),
     ] = None,
-    reduction: Annotated[int, typer.Option(help="On each rung one in so many goes on.")] = 3,
+    reduction: Annotated[
+        int, typer.Option(help="One in this many entries goes on to the next rung.")
+    ] = 3,
     score: Annotated[str, typer.Option(help="area or final.")] = "area",
-    seeds: Annotated[int, typer.Option(help="Of each entry, at least.")] = FEWEST_SEEDS,
+    seeds: Annotated[int, typer.Option(help="Seeds of each entry, at least.")] = FEWEST_SEEDS,
     timesteps: Annotated[
-        int | None, typer.Option(help="Of the longest runs; the preset's.")
+        int | None, typer.Option(help="Timesteps of the longest runs; the preset's if unset.")
     ] = None,
-    name: Annotated[str | None, typer.Option(help="Any text.")] = None,
+    name: Annotated[str | None, typer.Option(help="Name of the sweep; any text.")] = None,
     dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Only say what would be trained, and its cost.")
+        bool, typer.Option("--dry-run", help="Only show what would be trained, and its cost.")
     ] = False,
     as_json: AsJson = False,
 ) -> None:

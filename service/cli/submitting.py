@@ -44,29 +44,36 @@ def submit(
     seeds: Annotated[
         str | None, typer.Option(help="How many seeds each curve gets, or which: 0,3,7.")
     ] = None,
-    timesteps: Annotated[int | None, typer.Option(help="Of each run; the preset's.")] = None,
+    timesteps: Annotated[
+        int | None, typer.Option(help="Timesteps of each run; the preset's if unset.")
+    ] = None,
     scale: Annotated[
         str | None, typer.Option(help="Share of the timesteps; a list is a grid: 0.1,1.")
     ] = None,
-    name: Annotated[str | None, typer.Option(help="Any text.")] = None,
+    name: Annotated[str | None, typer.Option(help="Name of the sweep; any text.")] = None,
     notes: Annotated[str | None, typer.Option(help="Markdown, shown as text.")] = None,
     tag: Annotated[
-        list[str] | None, typer.Option(help="What it is found by; may be repeated.")
+        list[str] | None, typer.Option(help="Tag to find the sweep by; may be repeated.")
     ] = None,
-    priority: Annotated[int | None, typer.Option(help="Higher goes first.")] = None,
+    priority: Annotated[
+        int | None, typer.Option(help="Sweeps of higher priority start first.")
+    ] = None,
     max_workers: Annotated[
-        int | None, typer.Option(help="That may train its runs at once.")
+        int | None, typer.Option(help="Workers that may train its runs at once.")
     ] = None,
     webhook: Annotated[
-        str | None, typer.Option(help="URL that is told, by a signed POST, when it has ended.")
+        str | None, typer.Option(help="URL that gets a signed POST when the sweep has ended.")
     ] = None,
     key: Annotated[
-        str | None, typer.Option(help="Submitted again under this text, it is the same sweep.")
+        str | None,
+        typer.Option(
+            help="Any text; a second submission with the same key returns the first sweep."
+        ),
     ] = None,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Only count the runs and estimate their cost.")
     ] = False,
-    watch: Annotated[bool, typer.Option("--watch", help="Then follow it to its end.")] = False,
+    watch: Annotated[bool, typer.Option("--watch", help="Follow the sweep to its end.")] = False,
     as_json: AsJson = False,
 ) -> None:
     """Queue a sweep: a YAML file, flags, or a file with some fields replaced by flags."""
@@ -104,7 +111,7 @@ def submit(
 
 
 def show_estimate(answer: DryRunAnswer, as_json: bool) -> None:
-    """Print what would be queued, cell by cell, and what it would take."""
+    """Print what would be queued, cell by cell, and its estimated cost."""
     if as_json:
         print_json(answer)
         return
@@ -122,7 +129,7 @@ def show_estimate(answer: DryRunAnswer, as_json: bool) -> None:
 
 
 def say_notices(notices: Iterable[str]) -> None:
-    """Print what whoever submits should know."""
+    """Print the notices of a submission."""
     for notice in notices:
         say(f"Note: {notice}")
 

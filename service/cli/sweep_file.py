@@ -37,18 +37,18 @@ class SweepLoader(yaml.SafeLoader):
     """PyYAML's loader of plain data, with the scalars of YAML 1.2."""
 
     def construct_whole(self, node: yaml.ScalarNode) -> int:
-        """Return a whole number; zeros in front of it mean nothing."""
+        """Return a whole number; leading zeros mean nothing."""
         text = self.construct_scalar(node).replace("_", "")
         return int(text, 0) if text.startswith(("0o", "0x")) else int(text)
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        """Return a mapping. Raises a YAMLError for a key that is there twice."""
+        """Return a mapping. Raises a YAMLError for a repeated key."""
         first: dict[str, yaml.Node] = {}
         for key, _ in node.value:
             if key.value == "<<" or not isinstance(key.value, str):
                 continue
             if (earlier := first.setdefault(key.value, key)) is not key:
-                message = f"{key.value!r} is there twice, at first in line"
+                message = f"{key.value!r} appears twice, first in line"
                 line = earlier.start_mark.line + 1
                 raise yaml.constructor.ConstructorError(
                     None, None, f"{message} {line}", key.start_mark

@@ -1,4 +1,4 @@
-"""What every command prints with: tables for eyes, plain lines for programs, JSON on demand."""
+"""Printing of all commands: tables for people, plain lines for programs, JSON on demand."""
 
 from __future__ import annotations
 
@@ -27,25 +27,25 @@ Rows = Iterable[Sequence[object]]
 
 
 def say(text: str, console: Console = console) -> None:
-    """Print text, whatever brackets it has and however long its lines; it steers no terminal."""
+    """Print text without markup or wrapping; control characters become spaces."""
     shown = "".join(each if each.isprintable() or each in "\n\t" else " " for each in text)
     console.print(shown, markup=False, highlight=False, soft_wrap=True)
 
 
 def print_json(answer: BaseModel, indent: int | None = 2) -> None:
-    """Print an answer of the service; what would steer a terminal is written as an escape."""
+    """Print an answer of the service; control characters are written as escapes."""
     text = answer.model_dump_json(indent=indent)
     say("".join(each if each.isprintable() or each == "\n" else escaped(each) for each in text))
 
 
 def escaped(character: str) -> str:
-    """Return a character as JSON's escapes have it: one for each of its units of UTF-16."""
+    """Return a character as escapes of JSON, one for each of its UTF-16 units."""
     units = character.encode("utf-16-be")
     return "".join(f"\\u{units[i : i + 2].hex()}" for i in range(0, len(units), 2))
 
 
 def write_out(parts: Iterable[str]) -> None:
-    """Write a text, as its parts arrive, as it stands; on a terminal, cleaned of what steers it."""
+    """Write a text as its parts arrive; on a terminal, without control characters."""
     if not console.is_terminal:
         sys.stdout.writelines(parts)
         return
@@ -59,7 +59,7 @@ def write_out(parts: Iterable[str]) -> None:
 
 
 def print_table(headings: Sequence[str], rows: Rows, console: Console = console) -> None:
-    """Print a table; where no terminal reads it, lines with tabs between the cells."""
+    """Print a table; where there is no terminal, lines with tabs between the cells."""
     if console.is_terminal:
         console.print(table_of(headings, rows, console.width))
         return
@@ -68,9 +68,9 @@ def print_table(headings: Sequence[str], rows: Rows, console: Console = console)
 
 
 def table_of(headings: Sequence[str], rows: Rows, width: int) -> RenderableType:
-    """The table for a terminal so wide: without empty columns, long cells folded, short ones whole.
+    """The table for a terminal of a width: no empty columns, long cells folded, short ones whole.
 
-    Where the short ones do not fit beside each other, a paragraph a row.
+    If the short cells do not fit beside each other, each row is a paragraph.
     """
     columns = [
         (heading, [plain(cell) for cell in cells])
@@ -103,5 +103,5 @@ def _paragraphs(columns: Sequence[tuple[str, Sequence[str]]], width: int) -> Gro
 
 
 def plain(cell: object) -> str:
-    """A cell as text that stays on its line and steers no terminal."""
+    """A cell as one line of text without control characters."""
     return "".join(each if each.isprintable() else " " for each in str(cell))

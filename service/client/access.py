@@ -1,4 +1,4 @@
-"""Where a service is found, with which token, and whom to believe over TLS."""
+"""Where a service is found, with which token, and which certificates to trust over TLS."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def find_token() -> str:
         if file.stat().st_mode & 0o077:
             raise ServiceError(
                 f"{file} can be read by other users, so its token is no secret: run chmod 600 "
-                f"{file}, or have another token made if you do not trust them."
+                f"{file}, or make another token if you do not trust them."
             )
         return file.read_text(encoding="utf-8").strip()
     except OSError as error:
@@ -49,7 +49,7 @@ def own_url() -> str:
 
 
 def trusted() -> ssl.SSLContext | bool:
-    """Whom to believe over TLS: the usual authorities, and a service with our settings."""
+    """Certificates to trust over TLS: the usual authorities, and a service with our settings."""
     certificate = os.environ.get("D3PG_TLS_CERTIFICATE")
     if not certificate:
         return True

@@ -26,7 +26,7 @@ class Client(Sweeps, Runs, Moves, Measurements, Results, Learned, People):
     """
 
     def catalogue_names(self, kind: Literal["algorithms", "environments"]) -> dict[str, str]:
-        """The names of the algorithms or of the tasks, each with a line on it, if there is one."""
+        """The names of the algorithms or of the tasks, each with its summary, if there is one."""
         listed = self._call("GET", "/catalogue").json()[kind]
         return {each["name"]: str(each.get("summary", "")) for each in listed}
 

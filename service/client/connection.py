@@ -39,7 +39,7 @@ class Connection:
         Args:
             url: the service's address; by default `D3PG_URL`, else the one that a service with
                 `D3PG_HOST` (127.0.0.1) and `D3PG_PORT` (8000) listens on. A service on this machine
-                is asked directly, whatever proxies the environment names.
+                is called directly, even if the environment names proxies.
             token: the access token; by default that of `find_token`.
             timeout_seconds: how long each call waits for the service.
 

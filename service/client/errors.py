@@ -27,7 +27,7 @@ class SubmissionNotice(UserWarning):
 
 @contextmanager
 def through_silence() -> Iterator[None]:
-    """Go on where the service does not answer; what it refuses is raised."""
+    """Suppress errors of a service that does not answer; its refusals are raised."""
     try:
         yield
     except ServiceError as error:

@@ -35,7 +35,7 @@ class Learned(Connection):
         return algorithms.load_policy(self.policy_file(run_id))
 
     def policy_file(self, run_id: str) -> bytes:
-        """The same as the content of a file, a NumPy archive (`.npz`)."""
+        """The policy as the content of a file, a NumPy archive (`.npz`)."""
         return self._call("GET", f"/runs/{run_id}/policy").content
 
     def diagnose(
@@ -46,10 +46,10 @@ class Learned(Connection):
         poll_seconds: float = 1.0,
         **options: Option,
     ) -> DiagnosisAnswer:
-        """Ask for the diagnosis of a run or a sweep, and block until it is made.
+        """Request the diagnosis of a run or a sweep, and block until it is made.
 
         Args:
-            identifier: a run's id, or a sweep's: of its first runs that reached their end.
+            identifier: a run's id, or a sweep's, for its first runs that reached their end.
             timeout_seconds: how long to wait at most.
             progressed: called with the diagnosis after each poll.
             poll_seconds: time between two polls.
@@ -80,7 +80,7 @@ class Learned(Connection):
         return diagnosis
 
     def diagnosis(self, identifier: str, **options: Option) -> DiagnosisAnswer:
-        """What was found so far about a run or a sweep; asks for nothing new.
+        """The findings so far about a run or a sweep; requests nothing new.
 
         Args:
             identifier: a run's id, or a sweep's.
@@ -91,7 +91,7 @@ class Learned(Connection):
     def diagnosis_figure(
         self, identifier: str, figure: DiagnosisFigure, form: Form = "png", **options: Option
     ) -> bytes:
-        """A figure of what was found about a run or a sweep, as the bytes of a file.
+        """A figure of the findings about a run or a sweep, as the bytes of a file.
 
         Args:
             identifier: a run's id, or a sweep's.

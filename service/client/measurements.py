@@ -1,4 +1,4 @@
-"""What was measured, in every form."""
+"""Measurements, in every form."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Measurements(Connection):
         return self._call("GET", f"/sweeps/{sweep_id}/measurements").text
 
     def sweep_csv_parts(self, sweep_id: str) -> Iterator[str]:
-        """The same text in parts, as they arrive; nothing holds it whole."""
+        """The same text in parts, as they arrive; it is never held completely."""
         with self._streamed(f"/sweeps/{sweep_id}/measurements") as answer:
             yield from answer.iter_text()
 
@@ -47,7 +47,7 @@ class Measurements(Connection):
     def save_measurements(
         self, sweep_id: str, file: Path, form: Literal["csv", "parquet"] = "csv"
     ) -> int:
-        """Write every measurement of a sweep to a file, as it arrives; nothing holds it whole.
+        """Write every measurement of a sweep to a file, as it arrives; it is never held completely.
 
         Returns:
             The number of bytes.
@@ -59,7 +59,7 @@ class Measurements(Connection):
             return sum(opened.write(part) for part in answer.iter_bytes())
 
     def measured_runs(self, sweep_id: str) -> Iterator[MeasuredRun]:
-        """The runs of a sweep that measured anything, each with all of it, one after the other."""
+        """The runs of a sweep that have measurements, one by one, each with all of them."""
         with self._streamed(f"/sweeps/{sweep_id}/measurements") as answer:
             yield from measured_runs(answer.iter_lines())
 

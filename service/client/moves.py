@@ -32,15 +32,15 @@ class Moves(Connection):
         return SweepAnswer.model_validate_json(answer)
 
     def cancel(self, identifier: str) -> SweepAnswer | RunAnswer:
-        """Cancel a sweep or a run; what it measured stays."""
+        """Cancel a sweep or a run; its measurements stay."""
         return self.move(identifier, "cancel")
 
     def pause(self, identifier: str) -> SweepAnswer | RunAnswer:
-        """Start none of the queued runs of a sweep, or not this run."""
+        """Start no queued runs of a sweep, or not this run."""
         return self.move(identifier, "pause")
 
     def resume(self, identifier: str) -> SweepAnswer | RunAnswer:
-        """Queue what was paused."""
+        """Queue paused runs again."""
         return self.move(identifier, "resume")
 
     def retry(self, identifier: str) -> SweepAnswer | RunAnswer:
@@ -52,7 +52,7 @@ class Moves(Connection):
         return self.move(identifier, "uncancel")
 
     def move_all(self, identifiers: Sequence[str], move: BulkMove) -> BulkAnswer:
-        """Ask many sweeps and runs for a move in one request.
+        """Move many sweeps and runs in one request.
 
         Args:
             identifiers: ids of sweeps and of runs.

@@ -21,11 +21,11 @@ class People(Connection):
     """Calls that concern who may call."""
 
     def users(self) -> list[UserAnswer]:
-        """Users by name, those that were revoked too; for administrators."""
+        """Users by name, revoked ones included; for administrators."""
         return self._list(UserAnswer, "/users")
 
     def add_user(self, name: str, scope: Scope | str) -> NewUserAnswer:
-        """Make a user; the answer tells the token, this once. For administrators.
+        """Add a user; the answer shows the token this once. For administrators.
 
         Args:
             name: lower case letters, digits, and `._-` after the first.
@@ -36,18 +36,18 @@ class People(Connection):
         return NewUserAnswer.model_validate_json(answer.content)
 
     def revoke_user(self, name: str) -> UserAnswer:
-        """Take a user's token away, with its sessions and shares; for administrators."""
+        """Revoke a user's token, with its sessions and shares; for administrators."""
         answer = self._call("DELETE", f"/users/{name}")
         return UserAnswer.model_validate_json(answer.content)
 
     def share(
         self, sweep_ids: Sequence[str], *, days: int = DAYS, page: str | None = None
     ) -> NewShareAnswer:
-        """Make a link that lets whoever has it read some sweeps, for a time.
+        """Make a link by which anybody can read some sweeps, for a time.
 
         Args:
             sweep_ids: the sweeps.
-            days: until it expires.
+            days: days until it expires.
             page: the path that it opens, such as "/compare?sweep=ID&sweep=ID&band=ci95"; by default
                 the page of the sweep, or the comparison of several.
         """
@@ -56,11 +56,11 @@ class People(Connection):
         return NewShareAnswer.model_validate_json(answer.content)
 
     def shares(self) -> list[ShareAnswer]:
-        """The shares that have not expired: one's own, for an administrator those of all."""
+        """The caller's shares that have not expired; for an administrator, those of all users."""
         return self._list(ShareAnswer, "/shares")
 
     def revoke_share(self, share_id: str) -> ShareAnswer:
-        """Take a share back, at once."""
+        """Revoke a share, at once."""
         answer = self._call("DELETE", f"/shares/{share_id}")
         return ShareAnswer.model_validate_json(answer.content)
 
@@ -74,7 +74,7 @@ class People(Connection):
         return SignInAnswer.model_validate_json(answer.content)
 
     def sessions(self) -> list[SessionAnswer]:
-        """The browsers that are signed in: one's own, for an administrator those of all."""
+        """The caller's signed-in browsers; for an administrator, those of all users."""
         return self._list(SessionAnswer, "/sessions")
 
     def end_session(self, session_id: str) -> SessionAnswer:

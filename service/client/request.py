@@ -1,4 +1,4 @@
-"""What is submitted, as JSON."""
+"""Requests, as JSON."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Request = SweepRequest | Mapping[str, Any]
 
 
 def as_json(request: Request) -> dict[str, Any]:
-    """What is posted: of a model the fields that were set, a mapping as it stands.
+    """Return the JSON to post: the fields of a model that were set, or a mapping unchanged.
 
     Raises ServiceError, with every value that JSON cannot say.
     """

@@ -1,4 +1,4 @@
-"""What measurements come to: curves, scores, statistics, figures, reports."""
+"""Results of measurements: curves, scores, statistics, figures, reports."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ TableText = Literal["csv", "markdown", "latex"]
 
 
 class Results(Connection):
-    """Calls that fetch what sweeps have come to."""
+    """Calls that fetch results of sweeps."""
 
     def scores(
         self, sweep_id: str, *, score: Score = "final", normalized: bool = True
@@ -50,12 +50,12 @@ class Results(Connection):
         Args:
             sweep_id: the sweep.
             metric: a return, or a diagnostic that the runs measure.
-            normalized: whether 0 acts at random and 1 is the best; None: of returns.
-            band: what it shows.
+            normalized: whether 0 acts at random and 1 is the best; None: for returns only.
+            band: the statistic that the band shows.
             x: the abscissa.
-            max_points: of a curve.
-            seeds: each run's own curve too.
-            run: of this run alone, by the number at the end of its id.
+            max_points: most points of a curve.
+            seeds: whether to include the curve of each run.
+            run: this run alone, by the number at the end of its id.
         """
         asked = {
             "metric": metric,
@@ -94,12 +94,12 @@ class Results(Connection):
 
         Args:
             sweep_id: the sweep.
-            score: of the runs.
+            score: which score of the runs.
         """
         return self._get(StatisticsAnswer, f"/sweeps/{sweep_id}/statistics", score=score)
 
     def verdict(self, sweep_id: str) -> VerdictAnswer:
-        """What a sweep's question has come to: an outcome and a sentence for each comparison.
+        """The verdict on a sweep's question: an outcome and a sentence for each comparison.
 
         Args:
             sweep_id: a sweep that asks a question.
@@ -107,7 +107,7 @@ class Results(Connection):
         return self._get(VerdictAnswer, f"/sweeps/{sweep_id}/verdict")
 
     def search(self, sweep_id: str) -> SearchAnswer:
-        """How far the entries of a sweep's search have climbed, and which is the best of each task.
+        """The rungs that the entries of a sweep's search have reached, and the best of each task.
 
         Args:
             sweep_id: a sweep that searches.

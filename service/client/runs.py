@@ -1,4 +1,4 @@
-"""Runs: list, look at, follow what their workers print."""
+"""Runs: list them, look at them, follow the output of their workers."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ class Runs(Connection):
 
         Args:
             sweep_id: the sweep.
-            status: those that stand there.
-            algorithm: those of it.
-            environment: those in it.
-            sort: by what they are listed.
+            status: only runs with this status.
+            algorithm: only runs of this algorithm.
+            environment: only runs in this environment.
+            sort: the value that they are sorted by.
             descending: whether the largest comes first.
-            sparkline: about so many points of return_mean with each.
-            limit: of a page.
+            sparkline: about how many points of return_mean to include with each.
+            limit: runs in a page.
         """
         asked = {"status": status, "algorithm": algorithm, "environment": environment}
         given = {name: value for name, value in asked.items() if value is not None}

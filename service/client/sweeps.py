@@ -1,4 +1,4 @@
-"""Sweeps: submit, list, describe, let grow, wait for, delete."""
+"""Sweeps: submit, list, edit, extend, wait for, delete."""
 
 from __future__ import annotations
 
@@ -75,12 +75,12 @@ class Sweeps(Connection):
 
         Args:
             q: a text in the name, the notes or a tag, or the beginning of the id.
-            tag: those that have it.
-            algorithm: those that compare it.
-            environment: those with runs in it.
-            status: those that stand there.
+            tag: only sweeps with this tag.
+            algorithm: only sweeps that compare this algorithm.
+            environment: only sweeps with runs in this environment.
+            status: only sweeps with this status.
             archived: None for all sweeps, True for archived ones alone.
-            owner: those that they submitted.
+            owner: only sweeps that this user submitted.
         """
         asked = {
             "q": q,
@@ -106,17 +106,17 @@ class Sweeps(Connection):
         max_workers: int | Literal["any"] | None = None,
         webhook: str | Literal["none"] | None = None,
     ) -> SweepAnswer:
-        """Change how a sweep is described, found and ranked; None leaves a field as it is.
+        """Change the description or priority of a sweep; None leaves a field as it is.
 
         Args:
             sweep_id: the sweep.
             name: its new name.
             notes: Markdown, which is shown as text.
-            tags: replace those that it has.
+            tags: tags that replace the present ones.
             archived: whether lists leave it out.
             priority: sweeps with a higher one start first.
-            max_workers: how many may train its runs at once; "any" lifts the limit.
-            webhook: URL that is told when all runs have ended; "none" for none.
+            max_workers: how many may train its runs at once; "any" removes the limit.
+            webhook: URL that is called when all runs have ended; "none" for none.
         """
         fields: dict[str, Any] = {
             "name": name,
@@ -178,9 +178,9 @@ class Sweeps(Connection):
         return self._add(sweep_id, as_json({"algorithms": list(algorithms)}))
 
     def extend(self, sweep_id: str, timesteps: int) -> SweepAnswer:
-        """Give the runs of a sweep more timesteps; those that ended go on from where they did.
+        """Give the runs of a sweep more timesteps; ended runs go on from where they ended.
 
-        They come to the bits of runs that were as long from the start.
+        They have the bits of runs that were as long from the start.
         """
         return self._add(sweep_id, {"timesteps": timesteps})
 
@@ -196,9 +196,9 @@ class Sweeps(Connection):
 
         Args:
             sweep_id: the sweep.
-            seeds: to be added; or
-            algorithms: to be added; or
-            timesteps: that its runs are to have. The answer counts those that are added.
+            seeds: seeds to add; or
+            algorithms: entries to add; or
+            timesteps: the new timesteps of its runs. The answer counts those that are added.
         """
         asked = {"seeds": seeds, "algorithms": algorithms, "timesteps": timesteps}
         added = {name: value for name, value in asked.items() if value is not None}
@@ -211,7 +211,7 @@ class Sweeps(Connection):
         return SweepAnswer.model_validate_json(answer)
 
     def delete(self, sweep_id: str) -> DeletionAnswer:
-        """Delete a sweep that has ended, with all that it measured and learned, for good."""
+        """Delete a sweep that has ended, with its measurements and policies, for good."""
         answer = self._call("DELETE", f"/sweeps/{sweep_id}").content
         return DeletionAnswer.model_validate_json(answer)
 

@@ -1,1 +1,1 @@
-"""What was measured, in the forms of other tools. Each module that needs an extra loads it."""
+"""Measurements in the forms of other tools. Each module that needs an extra loads it."""

@@ -52,7 +52,7 @@ def openrlbenchmark(runs: Iterable[MeasuredRun]) -> Arrays:
 
 
 def _reduced(run: MeasuredRun) -> MeasuredRun:
-    """The run without the columns that are not asked for: all of a sweep is held at once."""
+    """Return the run with only the columns that are needed: all of a sweep is held at once."""
     columns = {name: run.columns[name] for name in ("timestep", *NAMES.values())}
     return replace(run, columns=columns)
 
@@ -66,7 +66,7 @@ def _at(steps: NDArray[np.float64], run: MeasuredRun, name: str) -> NDArray[np.f
 def rliable(scores: ScoresAnswer) -> Arrays:
     """Return the scores of the seeds that have one in every common task.
 
-    Raises ValueError where that is none of an entry, or no task is common.
+    Raises ValueError if an entry has none, or no task is common.
     """
     entries = grouped(scores.cells, lambda cell: cell.label)
     tasks = [

@@ -1,4 +1,4 @@
-"""Runs with all that they measured, one after the other, from the CSV of a sweep as it arrives."""
+"""Runs with all their measurements, one after the other, from the CSV of a sweep as it arrives."""
 
 import csv
 import json
@@ -38,7 +38,7 @@ class MeasuredRun:
 
     @property
     def settings(self) -> dict[str, Any]:
-        """What it was of, as plain values: the settings that it states by their own names."""
+        """What the run trains, as plain values, with the settings that it states by their names."""
         names = ("label", "algorithm", "environment", "w1", "w2", "seed")
         return {"run": self.id, **{name: getattr(self, name) for name in names}, **self.config}
 

@@ -20,7 +20,7 @@ MOST_AT_ONCE = 1000
 def write(runs: Iterable[MeasuredRun], database: Path, sweep: str) -> int:
     """Add the runs of a sweep to a SQLite file, and return how many there were.
 
-    Raises FileExistsError where its experiment is there already.
+    Raises FileExistsError if its experiment exists already.
     """
     client = mlflow.MlflowClient(tracking_uri=f"sqlite:///{database.resolve()}")
     if client.get_experiment_by_name(sweep) is not None:

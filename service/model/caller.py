@@ -6,7 +6,7 @@ from enum import StrEnum
 from service.model.compared import SEPARATOR
 
 ADMINISTRATOR = "admin"
-"""The name of whoever has the service's own token; no user can take it."""
+"""The name of the holder of the service's own token; no user can have it."""
 
 
 class Scope(StrEnum):
@@ -17,7 +17,7 @@ class Scope(StrEnum):
     READ = "read"
     """Reading everything."""
     SUBMIT = "submit"
-    """Submitting sweeps, changing and deleting one's own."""
+    """Submitting sweeps; changing and deleting the caller's own sweeps."""
     ADMIN = "admin"
     """Changing and deleting every sweep; users."""
 
@@ -32,7 +32,7 @@ class User:
     """A person or a program with a token of its own. Times are seconds since 1970.
 
     token_hash  SHA-256 of the token, in hexadecimal digits; the token itself is kept nowhere
-    revoked_at  since when the token is worth nothing; None: it is valid
+    revoked_at  since when the token is invalid; None: it is valid
     """
 
     name: str
@@ -44,10 +44,10 @@ class User:
 
 @dataclass(frozen=True)
 class Share:
-    """A link that lets whoever has it read some sweeps, for a time.
+    """A link by which anybody can read some sweeps, for a time.
 
     page     the address, from `/` on, that it opens
-    made_by  the name of whoever made it
+    made_by  the name of its author
     """
 
     id: str
@@ -61,12 +61,12 @@ class Share:
 
 @dataclass(frozen=True)
 class Session:
-    """A browser that is signed in. It stands for a token, and is worth nothing without it.
+    """A browser that is signed in. It stands for a token, and is invalid without it.
 
     token_hash  of what the browser's cookie holds
     key_hash    of the user's, the share's or the service's token that it was signed in with
-    name        of whoever signed in, for lists
-    browser     as it called itself
+    name        of the user who signed in, for lists
+    browser     its user agent
     """
 
     id: str
@@ -80,7 +80,7 @@ class Session:
 
 @dataclass(frozen=True)
 class Caller:
-    """Who a request is from.
+    """The origin of a request.
 
     key_hash  of the token that it came with, or that its session stands for
     session   the id of the session that it came by; None: it came with a token
@@ -94,7 +94,7 @@ class Caller:
     sweeps: frozenset[str] | None = None
 
     def sees(self, sweep_id: str | None) -> bool:
-        """Whether it may see a sweep, or all of several; what is of no sweep, None, it may not."""
+        """Whether it may see a sweep, or all of several; for None, what belongs to no sweep."""
         if self.sweeps is None:
             return True
         return sweep_id is not None and self.sweeps.issuperset(sweep_id.split(SEPARATOR))

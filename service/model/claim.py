@@ -11,7 +11,7 @@ CellLimit = Callable[[RunSpec], int]
 
 
 def no_limit(cell: RunSpec) -> int:
-    """As many as a cohort ever has."""
+    """The most that a cohort has."""
     del cell
     return COHORT_LIMIT
 
@@ -39,6 +39,6 @@ class Claim:
         return tuple(run.spec for run in self.runs)
 
     def only(self, run_ids: frozenset[str] | set[str]) -> "Claim":
-        """Return the claim on those of its runs alone."""
+        """Return the claim on only those of its runs."""
         kept = tuple(run for run in self.runs if run.run_id in run_ids)
         return Claim(self.worker, self.lease_seconds, kept)

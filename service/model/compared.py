@@ -1,7 +1,7 @@
-"""What curves, tables, statistics and figures are of: a sweep, or several sweeps as one.
+"""The subject of curves, tables, statistics and figures: a sweep, or several sweeps as one.
 
-Of several, an entry's name says whose it is, and runs of equal seed in equal tasks are pairs, as
-within one sweep.
+With several sweeps, the name of an entry says which sweep it belongs to, and runs of equal seed in
+equal tasks are pairs, as within one sweep.
 """
 
 from collections import Counter

@@ -1,8 +1,8 @@
-"""The diagnosis of a run: what was found about it, or is to be.
+"""The diagnosis of a run: its findings, or that they are still to be made.
 
-    (none) -> waiting -> done | failed -> waiting, where it is asked for again
+    (none) -> waiting -> done | failed -> waiting, if it is requested again
 
-One that was made of an earlier attempt of the run is none.
+The diagnosis of an earlier attempt of the run does not count.
 """
 
 from dataclasses import dataclass
@@ -13,9 +13,9 @@ from service.model.run import Run
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """Where the diagnosis of a run stands.
+    """The state of the diagnosis of a run.
 
-    is_waiting  it was asked for, and is to be made
+    is_waiting  it was requested, and is not made yet
     findings    None while there are none
     problem     why there are none, a sentence; empty while nothing is wrong
     """

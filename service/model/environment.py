@@ -73,7 +73,7 @@ def description_of(task: "type[Environment]") -> str:
 
 
 class _Told:
-    """What other processes told of tasks whose code this one does not run."""
+    """Facts of tasks from other processes; this process does not run the code of these tasks."""
 
     of_files: Mapping[str, EnvironmentFacts] = {}
     served: frozenset[str] = frozenset()
@@ -83,13 +83,13 @@ class _Told:
 
 
 def know_tasks_of_files(known: Iterable[EnvironmentFacts], served: Iterable[str]) -> None:
-    """Know these tasks of files from now on, and no others; `served` can be submitted."""
+    """Replace the tasks of files that are known; `served` can be submitted."""
     _Told.of_files = {facts.name: facts for facts in known}
     _Told.served = frozenset(served)
 
 
 def know_tasks_of_packages(told: Mapping[str, EnvironmentFacts | str]) -> None:
-    """Know these tasks of installed packages from now on, and run the code of none of them."""
+    """Replace the tasks of installed packages that are known; their code is not run."""
     _Told.of_packages = dict(told)
 
 
@@ -132,7 +132,7 @@ def environment_facts(environment: str) -> EnvironmentFacts:
 
 
 def submittable_facts(environment: str) -> EnvironmentFacts:
-    """Return the same of an environment in which runs can be submitted.
+    """Return the facts of an environment in which runs can be submitted.
 
     Raises:
         ValueError: as above, and for a task of a file that is not served now.
@@ -160,7 +160,7 @@ def without_defaults(environment: str) -> str:
 def known_environments() -> list[EnvironmentFacts]:
     """Return the facts of all environments but installed ones that cannot be made.
 
-    Whoever names one of those is told why. Those of task files are the ones that are served.
+    Naming one of those raises an error that says why. Of task files, those that are served count.
     """
     known = []
     for name in physics.names():

@@ -14,7 +14,7 @@ Move = Literal["cancel", "pause", "resume", "retry", "uncancel"]
 
 @dataclass(frozen=True)
 class Words:
-    """What a move does, as its route says, and the reason that runs which it moved show."""
+    """What a move does, for its route, and the reason that moved runs show."""
 
     description: str
     reason: str
@@ -22,15 +22,15 @@ class Words:
 
 @dataclass(frozen=True)
 class Transition:
-    """Between which statuses a move takes runs that no worker holds, and what is said of it.
+    """The statuses between which a move takes runs that no worker holds, and its texts.
 
-    sources   where a run stands that is moved
-    target    where it stands afterwards; in a paused sweep paused instead of queued
-    change    what the sweep's event says
-    none_left why a sweep cannot be moved of which no run is at the sources, nor will be
-    help      of the command
-    of_sweep  in words, asked of a sweep
-    of_run    in words, asked of a run
+    sources   statuses of the runs that are moved
+    target    their status afterwards; in a paused sweep paused instead of queued
+    change    the change in the sweep's event
+    none_left why a sweep cannot be moved that has no run at the sources, and will have none
+    help      help text of the command
+    of_sweep  texts of the move of a sweep
+    of_run    texts of the move of a run
     """
 
     sources: frozenset[RunStatus]
@@ -48,12 +48,12 @@ TRANSITIONS: Mapping[Move, Transition] = {
         RunStatus.CANCELLED,
         change="cancelled",
         none_left="none of its runs is left to cancel",
-        help="Cancel a sweep or one run; what it measured so far stays.",
+        help="Cancel a sweep or a run; its measurements stay.",
         of_sweep=Words(
-            "Cancel what has not ended; what was measured stays.", "its sweep was cancelled"
+            "Cancel the runs that have not ended; measurements stay.", "its sweep was cancelled"
         ),
         of_run=Words(
-            "Cancel a run: at once while it waits, by its worker while it runs.",
+            "Cancel a run: at once if it waits, through its worker if it is running.",
             "cancelled before it started",
         ),
     ),
@@ -62,20 +62,22 @@ TRANSITIONS: Mapping[Move, Transition] = {
         RunStatus.PAUSED,
         change="paused",
         none_left="none of its runs is left to start",
-        help="Start none of the queued runs; those that are running go on to their end.",
+        help="Start no queued runs; running ones go on to their end.",
         of_sweep=Words(
-            "Start none of its runs from now on; those that are running go on to their end.",
+            "Start no more runs of the sweep; running ones go on to their end.",
             "its sweep is paused",
         ),
-        of_run=Words("Keep a queued run from being started.", "paused"),
+        of_run=Words("Keep a queued run from starting.", "paused"),
     ),
     "resume": Transition(
         frozenset({RunStatus.PAUSED}),
         RunStatus.QUEUED,
         change="resumed",
         none_left="none of its runs is left to start",
-        help="Queue what was paused.",
-        of_sweep=Words("Queue its paused runs, those that were paused alone too.", ""),
+        help="Queue paused runs again.",
+        of_sweep=Words(
+            "Queue the paused runs of the sweep, including those that were paused alone.", ""
+        ),
         of_run=Words("Queue a paused run.", ""),
     ),
     "retry": Transition(
@@ -83,14 +85,14 @@ TRANSITIONS: Mapping[Move, Transition] = {
         RunStatus.QUEUED,
         change="retried",
         none_left="none of its runs has failed",
-        help="Queue failed runs again, and only those; what they measured stays.",
+        help="Queue failed runs again, and only those; their measurements stay.",
         of_sweep=Words(
-            "Queue its failed runs again, and only those; "
-            "what they measured and their attempts stay.",
+            "Queue the failed runs of the sweep again, and only those; "
+            "their measurements and attempts stay.",
             "tried again on request",
         ),
         of_run=Words(
-            "Queue a failed run again; what it measured and its attempts stay.",
+            "Queue a failed run again; its measurements and attempts stay.",
             "tried again on request",
         ),
     ),
@@ -99,14 +101,14 @@ TRANSITIONS: Mapping[Move, Transition] = {
         RunStatus.QUEUED,
         change="uncancelled",
         none_left="none of its runs was cancelled",
-        help="Queue cancelled runs again, and only those; what they measured stays.",
+        help="Queue cancelled runs again, and only those; their measurements stay.",
         of_sweep=Words(
-            "Queue its cancelled runs again, and only those; "
-            "what they measured and their attempts stay.",
+            "Queue the cancelled runs of the sweep again, and only those; "
+            "their measurements and attempts stay.",
             "queued again on request",
         ),
         of_run=Words(
-            "Queue a cancelled run again; what it measured and its attempts stay.",
+            "Queue a cancelled run again; its measurements and attempts stay.",
             "queued again on request",
         ),
     ),

@@ -10,7 +10,7 @@ class Training:
     entry      the place of the entry in the sweep
     runs       how many they are; `first_run` is the id of the first
     since      when the worker claimed them, seconds since 1970
-    timestep   of the run that is least far
+    timestep   of the run that has trained least
     """
 
     worker: str

@@ -16,7 +16,7 @@ from workers.messages.run_spec import RunSpec
 
 
 class RunStatus(StrEnum):
-    """Where a run stands. Final states never change, but that users may ask for it."""
+    """The status of a run. Final states change only on request of a user."""
 
     QUEUED = "queued"
     """Waits for a worker. Also after a worker was lost, with the reason and a later start."""
@@ -29,7 +29,7 @@ class RunStatus(StrEnum):
     FAILED = "failed"
     """An error in code, or lost too many workers in a row; the attempts say which."""
     DIVERGED = "diverged"
-    """A loss or parameter stopped being finite. It would again, so it is never tried again."""
+    """A loss or parameter stopped being finite. This would recur, so it is never tried again."""
     CANCELLED = "cancelled"
     """Somebody asked for it."""
 
@@ -44,7 +44,7 @@ FINAL = frozenset(RunStatus) - ACTIVE
 
 
 def unfinished(statuses: Iterable[RunStatus]) -> dict[str, int]:
-    """Count the runs that have not reached their end, by status; those that are."""
+    """Count the runs that have not reached their end, by status; zeros are left out."""
     counts = Counter(statuses)
     others = (status for status in RunStatus if status is not RunStatus.SUCCEEDED)
     return {status.value: counts[status] for status in others if counts[status]}
@@ -57,13 +57,13 @@ class Run:
     entry               the place of its entry among those of its sweep
     attempt             how often it was claimed; writes under an older number are refused
     timestep            environment steps reached by the current attempt
-    reason              why it stands where it stands, a sentence; empty while all is well
+    reason              why it has its status, a sentence; empty while all is well
     is_cancelling       cancelling was asked for and its worker has not stopped yet
     environment_version version of the task's numbers under which it was submitted
     fingerprint         of the machine and code that trains it; None before the first report
     checkpoint_timestep of its newest checkpoint; 0 where there is none, as after its end
-    resumed_timestep    where the current attempt took it up; None until its worker says
-    memory_bytes        that it may come to fill in its worker; None until that is known
+    resumed_timestep    where the current attempt took over; None until its worker reports
+    memory_bytes        that it may need in its worker; None until that is known
     worked_seconds      how long workers have worked on it, waits between attempts left out; None
                         before the first attempt has ended
     score               its final score, raw; NaN unless it succeeded
@@ -97,7 +97,7 @@ class Attempt:
     outcome is "running", "succeeded", "failed", "diverged", "cancelled" or "lost" (the worker or
     its lease); error is a traceback or a sentence, log_tail the last lines that the worker printed
     while it trained the run and those of its cohort.
-    resumed_timestep says where it took the run up, note what there was to say of its checkpoints.
+    resumed_timestep is where it took over, note is a remark on its checkpoints.
     """
 
     attempt: int

@@ -1,4 +1,4 @@
-"""How a cell of a sweep stands: one entry in one environment, all of whose runs have ended well."""
+"""The result of a cell: one entry in one environment, all of whose runs succeeded."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass

@@ -9,14 +9,14 @@ from service.model.inquiry.search import Search
 
 
 class SweepStatus(StrEnum):
-    """Follows from the statuses of the runs."""
+    """The status of a sweep, which follows from those of its runs."""
 
     QUEUED = "queued"
     """No run has been claimed yet."""
     RUNNING = "running"
     """Some run is not final, or its question or search is open."""
     PAUSED = "paused"
-    """None of its runs is started; those that are running go on to their end."""
+    """No more runs are started; running ones go on to their end."""
     FINISHED = "finished"
     """Every run is final, and no question or search is open."""
     CANCELLED = "cancelled"
@@ -25,7 +25,7 @@ class SweepStatus(StrEnum):
 
 @dataclass(frozen=True)
 class RunCounts:
-    """How many runs of a sweep stand where."""
+    """The number of runs of a sweep by status."""
 
     queued: int = 0
     paused: int = 0
@@ -50,16 +50,16 @@ class RunCounts:
 class Sweep:
     """One sweep. Times are seconds since 1970 by the database's clock.
 
-    owner        the name of whoever submitted it
+    owner        the name of the user who submitted it
     request      what was posted, and what was added to it since
     notes        Markdown, shown as text
     tags         in the order that they were given
-    max_workers  that may train its runs at once; None: any number
-    webhook      URL that the end is told; None: nobody
-    webhook_delivered_at  when the latest end was told, or given up; None: it was not
+    max_workers  workers that may train its runs at once; None: any number
+    webhook      URL that is called at the end; None: no URL
+    webhook_delivered_at  when the latest end was delivered, or given up; None: it was not
     webhook_tries         that have failed since it ended
     webhook_problem       of the last one that failed
-    archived     out of the way: lists leave it out unless they are asked for it
+    archived     lists leave it out unless they are asked for it
     timesteps    that its runs have trained, together
     progress     share of the asked timesteps that is done; a run that reached its end counts whole,
                  any other as far as it got

@@ -1,8 +1,8 @@
-"""Webhooks: where the end of a sweep is told, what is sent, and how it is signed.
+"""Webhooks: which URL is called at the end of a sweep, what is sent, and how it is signed.
 
     D3PG-Signature: t=1764489600,v1=HMAC-SHA256(secret, "1764489600." + body), in hex
 
-Whoever receives it computes the same, and refuses an old t: then nobody else can have sent it.
+A receiver computes the same and refuses an old t: then nobody else can have sent it.
 """
 
 import hashlib
@@ -23,7 +23,7 @@ DELIVERY = "D3PG-Delivery"
 
 @dataclass(frozen=True)
 class Due:
-    """An end of a sweep that is to be told."""
+    """An end of a sweep to deliver."""
 
     sweep: Sweep
     url: str
@@ -32,7 +32,7 @@ class Due:
 
     @property
     def name(self) -> str:
-        """Names this end of this sweep: every try to tell it carries the name."""
+        """The name of this end of this sweep: every try to deliver it carries the name."""
         return f"{self.sweep.id}-{self.ended_at:.3f}"
 
     def body(self, service_url: str) -> bytes:
@@ -59,10 +59,10 @@ def signature(secret: str, body: bytes, at: int) -> str:
 
 
 def webhook_url(text: str) -> str:
-    """Return a URL that may be a webhook's. Raises ValueError for what is none."""
+    """Return a URL that can be a webhook. Raises ValueError for anything else."""
     parts = urlsplit(text)
     if parts.scheme not in {"http", "https"} or not parts.hostname or not text.isprintable():
-        raise ValueError("is no URL: write http://HOST/PATH or https://HOST/PATH")
+        raise ValueError("is not a URL: write http://HOST/PATH or https://HOST/PATH")
     if parts.username or parts.password:
         raise ValueError("holds a user or a password: put a secret into its path or query")
     if parts.port == 0:  # of what is no port, urllib raises ValueError too
@@ -71,17 +71,17 @@ def webhook_url(text: str) -> str:
 
 
 def refusal(url: str, hosts: Collection[str]) -> str:
-    """Return why a URL's host may not be asked; empty where it may. No hosts are named: any may."""
+    """Return why a URL's host may not be called; empty if it may. Without hosts, any may be."""
     host = urlsplit(url).hostname or ""
     if hosts and host not in hosts:
-        return f"its host {host!r} is none of those that D3PG_WEBHOOK_HOSTS names"
+        return f"its host {host!r} is not one of those in D3PG_WEBHOOK_HOSTS"
     if not hosts and _is_link_local(host):
         return f"{host!r} is a link-local address, where clouds keep secrets"
     return ""
 
 
 def resolved_refusal(url: str, hosts: Collection[str]) -> str:
-    """Do as `refusal`, with the addresses that the host has now. Raises OSError for none."""
+    """Apply `refusal` to the addresses that the host has now. Raises OSError if it has none."""
     if said := refusal(url, hosts):
         return said
     parts = urlsplit(url)

@@ -1,4 +1,4 @@
-"""What a hybrid gains over what it extends, seed by seed, at equal cost; costs are of three kinds.
+"""The gain of a hybrid over what it extends, seed by seed, at equal cost of three kinds.
 
     d_i = 1/u (area of the hybrid's run i - area of the baseline's run i)
 
@@ -10,8 +10,8 @@
     seconds      processor time of training (`algorithms.measurement.Measurement.seconds`)
 
 The baseline has the settings chosen for it, which need not be the hybrid's, and the hybrid's form.
-Only pairs count of which both runs reached their end; those that a failed or diverged run spoils
-are told.
+Only pairs count of which both runs reached their end; pairs with a failed or diverged run are
+reported.
 
     interval               95 % of the mean of d, percentile bootstrap over the pairs, of this task
     p                      of the sign-flip test (service.analysis.statistics.sign_flips)
@@ -20,7 +20,7 @@ are told.
                            all m hold the true means at once (Bonferroni)
 
 The paper's seven tasks are a family, and those beyond them another. A task of a family that has no
-pairs yet counts as a test all the same, so that what was corrected stands when it has some.
+pairs yet counts as a test, too, so that corrected values do not change when it has some.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -76,7 +76,7 @@ class Gain:
 
     @property
     def verdict(self) -> str:
-        """What the corrected test says."""
+        """The result of the corrected test."""
         if not self.corrected_p <= ERROR:
             return "not told apart"
         return "better" if self.mean.value > 0 else "behind"

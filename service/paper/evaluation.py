@@ -1,7 +1,7 @@
 """The evaluation: the paper's comparison, and the learners of today beside it, as sweeps.
 
-Settings and timesteps are the presets' (algorithms.presets). Seeds 0 ... n - 1 took no part in
-choosing them (service.paper.tuning). No run belongs to two sweeps: figure 7, of all learners in ten
+Settings and timesteps are the presets' (algorithms.presets). Seeds 0 ... n - 1 were not used to
+choose them (service.paper.tuning). No run belongs to two sweeps: figure 7, of all learners in ten
 tasks, takes what the paper's figures show already from the sweeps of those.
 """
 
@@ -30,7 +30,7 @@ TASKS = [
 """Section 5.2, in the order of table 1."""
 
 SMOOTH_TASKS = [task for task in TASKS if task != "Acrobot"]
-"""Acrobot's reward is a constant until the end: gradient descent and MPC have nothing to go by."""
+"""Acrobot's reward is constant until the end: gradient descent and MPC have no gradient there."""
 
 MORE_TASKS = ["Hopper", "Walker2d", "BallWall"]
 """Tasks that the paper does not have."""
@@ -119,14 +119,14 @@ MORE_SOFT: Mapping[str, Any] = {
 }
 
 SWEEPS = (COMPARISON, CRITIC, TWIN, ON_POLICY, MORE, SOFT, MORE_SOFT)
-"""The first first: whoever has no time for all has the paper's comparison."""
+"""In order of importance: a partial evaluation has the paper's comparison first."""
 
 FIGURES: Mapping[str, tuple[FigureNumber, ...]] = {
     COMPARISON["name"]: ("3", "4", "5"),
     CRITIC["name"]: ("2",),
     SOFT["name"]: ("6",),
 }
-"""What the service draws, by the sweep that it draws it from."""
+"""The figures that the service draws, by the sweep that it draws them from."""
 
 
 def evaluation(seeds: int = SEEDS, scale: float = 1.0) -> list[dict[str, Any]]:

@@ -1,4 +1,4 @@
-"""Where the simulator's gradients can help, task by task: diagnoses of the evaluation's runs.
+"""Diagnoses of the evaluation's runs: where the simulator's gradients can help, by task.
 
 `diagnosis.csv` is what `d3pg diagnose SWEEP --output` writes of a sweep. What it says of a task is
 taken from the runs of DDPG: bias and spread of the exact gradient of HORIZON steps under NOISE,

@@ -1,8 +1,8 @@
-"""What a folder of results has of sweeps that need not be trained again.
+"""The complete sweeps in a folder of results, which need not be trained again.
 
-A sweep is whole where provenance.json has the same request, every run of it reached its end or
-diverged, and the code that trained them is that of now. So an evaluation outlives its database:
-the results of its whole sweeps are kept as they are, and the others are trained.
+A sweep is complete if provenance.json has the same request, every run of it reached its end or
+diverged, and the present code trained them. So an evaluation outlives its database: the results of
+complete sweeps are kept as they are, and the others are trained.
 """
 
 import json
@@ -21,7 +21,7 @@ Line = Mapping[str, str]
 
 @dataclass(frozen=True)
 class Former:
-    """What a folder has of some sweeps.
+    """The results of some sweeps in a folder.
 
     Attributes:
         evidence: of provenance.json, by sweep.
@@ -40,13 +40,13 @@ NOTHING = Former({}, {}, [], [])
 
 
 def whole_sweeps(folder: Path, requests: Iterable[Request]) -> list[Request]:
-    """Return those of the sweeps that a folder has whole."""
+    """Return those sweeps that are complete in a folder."""
     evidence = _document(folder / "provenance.json").get("sweeps", {})
     return [request for request in requests if _is_whole(evidence.get(request["name"]), request)]
 
 
 def former(folder: Path, requests: Sequence[Request]) -> Former:
-    """Read what a folder has of sweeps that it has whole."""
+    """Read the results of complete sweeps from a folder."""
     if not requests:
         return NOTHING
     names = {request["name"] for request in requests}

@@ -1,4 +1,4 @@
-"""The runs of the evaluation as its files have them; what follows from them needs no service."""
+"""The runs of the evaluation, read from its files; analyses of them need no service."""
 
 import csv
 import json
@@ -16,7 +16,7 @@ from workers.messages.run_spec import Weights
 Columns = Mapping[str, Floats]
 
 READ = ("timestep", "return_mean", "jacobians", "seconds")
-"""The columns of measurements that something follows from."""
+"""The columns of measurements that analyses use."""
 NOTHING: Columns = {name: np.empty(0) for name in READ}
 ENDED = "succeeded"
 EARLY = ("failed", "diverged", "cancelled")
@@ -96,7 +96,7 @@ def measurements_file(folder: Path, environment: str, name: str) -> Path:
 
 
 def _columns(file: Path) -> dict[tuple[Weights, int], Columns]:
-    """Read the measurements of a file, by run; there is none while no run of it has begun."""
+    """Read the measurements of a file, by run; the file is missing while no run has begun."""
     if not file.exists():
         return {}
     rows: dict[tuple[Weights, int], list[list[float]]] = {}

@@ -1,4 +1,4 @@
-"""algorithms/presets.toml: the best cell of each learner on each task, read off the search."""
+"""algorithms/presets.toml: the best cell of each learner on each task, from the search."""
 
 import json
 import re
@@ -22,7 +22,7 @@ Cell = TypeVar("Cell")
 
 
 def lacking(rows: Sequence[Outcome]) -> list[str]:
-    """What the search has not come to the end of, as "learner, task"."""
+    """Parts of the search that have not ended, as "learner, task"."""
     return [
         f"{name}, {task}"
         for name, task in tuning.all_searches()
@@ -31,15 +31,14 @@ def lacking(rows: Sequence[Outcome]) -> list[str]:
 
 
 def presets_of(rows: Sequence[Outcome]) -> dict[str, dict[str, Rows]]:
-    """Settings and weights by learner and task; ValueError where a search has not come to its end.
+    """Settings and weights by learner and task; ValueError if a search has not ended.
 
     A learner with a space has settings of its own. A hybrid of the paper's losses has those of
     what it extends, and weights of its own. One with bounded losses has one pair for all tasks.
     """
     if missing := lacking(rows):
         raise ValueError(
-            f"the search has not come to its end: it lacks {'; '.join(missing)}; go on with "
-            "`d3pg paper tune`"
+            f"the search has not ended: it lacks {'; '.join(missing)}; go on with `d3pg paper tune`"
         )
     tables = {name: {"settings": _settings(rows, name)} for name in SPACES}
     for name, space in SPACES.items():
@@ -91,7 +90,7 @@ def _area(
 def _least_regret(
     cells: Sequence[Cell], tasks: Sequence[str], area: Callable[[Cell, str], float]
 ) -> Cell:
-    """The cell that loses least against the best of each task, on average; of equals the first."""
+    """The cell with the least mean loss against the best of each task; the first of equals."""
     most = {task: max(area(cell, task) for cell in cells) for task in tasks}
     return min(cells, key=lambda cell: sum(most[task] - area(cell, task) for task in tasks))
 

@@ -10,7 +10,7 @@
     provenance.json
 
 The numbers of tables, statistics, gains and figure 7 follow from measurements, scores and random
-returns. An evaluation that goes on can be written too: provenance tells how many of its runs have
+returns. An unfinished evaluation can be written, too: provenance says how many of its runs have
 ended.
 """
 
@@ -58,16 +58,16 @@ KEPT = (
     "state_gradient_cosine",
 )
 ROUNDED = {"seconds", "compile_seconds", "action_gradient_cosine", "state_gradient_cosine"}
-"""Columns of which four significant digits are kept; the others' digits are all there."""
+"""Columns with four significant digits; the others keep all digits."""
 
 
 class NotYetError(Exception):
-    """Something cannot be made of what has been measured so far."""
+    """A result cannot be made from the measurements so far."""
 
 
 @dataclass(frozen=True)
 class Swept:
-    """A sweep with all it measured, and what the service makes of it.
+    """A sweep with its measurements, and the service's results of it.
 
     rows        the measurements as they are kept, by run
     zeros       the zero of the normalised scale, by task; None if not known yet
@@ -84,7 +84,7 @@ class Swept:
 
     @classmethod
     def of(cls, client: Client, sweep: SweepAnswer) -> "Swept":
-        """Ask for it; again where a run began or ended meanwhile, so that all is of one state."""
+        """Read it; again if a run began or ended meanwhile, so that all is of one state."""
         while True:
             before = client.sweep(sweep.id)
             found = cls._asked(client, before)
@@ -116,7 +116,7 @@ def write(
 ) -> list[str]:
     """Write the evaluation's files, and return a sentence for each that could not be made.
 
-    What is kept of sweeps that are not among these stands beside them.
+    Results kept from other sweeps are written with them.
     """
     folder.mkdir(parents=True, exist_ok=True)
     swept = [Swept.of(client, sweep) for sweep in sweeps]
@@ -138,7 +138,7 @@ def write(
 
 
 def derive(folder: Path) -> None:
-    """Write what follows from the files of measurements, scores and random returns."""
+    """Write the results of the files of measurements, scores and random returns."""
     runs, scales = measured.read_runs(folder), measured.read_scales(folder)
     write_gains(folder / "gains.csv", gains(runs, scales))
     write_figure(folder, runs, scales)
@@ -154,7 +154,7 @@ def _write_json(file: Path, document: Mapping[str, Any]) -> None:
 
 
 def versions() -> dict[str, str]:
-    """What the results were made with; `d3pg` is what runs them, the rest is in fingerprints."""
+    """The versions that made the results; `d3pg` runs them, the rest is in fingerprints."""
     return {name: version(name) for name in ("d3pg", "ray", "matplotlib", "scipy")}
 
 
@@ -168,7 +168,7 @@ def machine() -> dict[str, Any]:
 
 
 def _write_measurements(folder: Path, swept: Swept) -> None:
-    """Write a file a learner and task; none, nor one of before, where no run has begun."""
+    """Write a file for each learner and task; if no run has begun, remove an earlier file."""
     cells = grouped(swept.runs, lambda run: (run.environment, row(run.algorithm, run.config)))
     for cell, members in cells.items():
         file = measured.measurements_file(folder, *cell)
@@ -194,7 +194,7 @@ def _rounded(name: str, value: str) -> str:
 
 
 def _write_figures(client: Client, swept: Swept, folder: Path) -> Iterator[str]:
-    """Write the figures of a sweep; of one that is not there yet, remove what was there before."""
+    """Write the figures of a sweep; if one cannot be drawn yet, remove an earlier file."""
     for number in figures_of(swept.sweep):
         files = {form: folder / f"figure-{number}.{form}" for form in (*FORMS, "csv")}
         try:
@@ -209,7 +209,7 @@ def _write_figures(client: Client, swept: Swept, folder: Path) -> Iterator[str]:
 
 
 def _figure(client: Client, swept: Swept, number: FigureNumber) -> dict[str, bytes]:
-    """Ask for the files of a figure, by form. Raises NotYetError, or what the service refuses."""
+    """Fetch the files of a figure, by form. Raises NotYetError, or the service's refusal."""
     if not any(swept.rows.values()):
         raise NotYetError("no run of it has measured anything")
     files = {str(form): client.figure(swept.sweep.id, form, number) for form in FORMS}
@@ -217,7 +217,7 @@ def _figure(client: Client, swept: Swept, number: FigureNumber) -> dict[str, byt
 
 
 def _provenance(swept: Swept) -> dict[str, Any]:
-    """Who, when, with what: fingerprints are those of the runs, each once."""
+    """The origin of the results: fingerprints are those of the runs, each once."""
     runs = swept.runs
     fingerprints = {json.dumps(run.fingerprint, sort_keys=True) for run in runs if run.fingerprint}
     ended = [run.finished_at for run in runs if run.finished_at]

@@ -1,11 +1,11 @@
-"""What every run came to, and the scale it is measured by, as files.
+"""The result of every run, and the scale of its task, as files.
 
     scores.csv          a line a run: what it was, whether it reached its end, its three scores, raw
     random-returns.csv  a line a task: random with its 95 % interval, the task's best return
 
     normalised = (score - random) / (best - random)
 
-Whatever tables and statistics say of scores follows from these two.
+All tables and statistics of scores follow from these two files.
 """
 
 import csv
@@ -30,7 +30,7 @@ def write_scores(
 ) -> None:
     """Write scores.csv, of runs and their measurements; a run without any has no scores.
 
-    The lines of `former` runs are written as they are, first.
+    The lines of `former` runs are written first, unchanged.
     """
     lines = ((*_spec(run), *_scores(run, rows)) for run, rows in measured)
     _write(file, (*SPEC, *SCORES), [*(list(line.values()) for line in former), *lines])
@@ -39,7 +39,7 @@ def write_scores(
 def write_random_returns(
     file: Path, zeros: Mapping[str, RandomReturnAnswer | None], former: Iterable[Row] = ()
 ) -> None:
-    """Write random-returns.csv, for the tasks whose random return is known, else was `former`ly."""
+    """Write random-returns.csv for tasks whose random return is known, now or in `former`."""
     lines: dict[str, Sequence[object]] = {
         line["environment"]: list(line.values()) for line in former
     } | {

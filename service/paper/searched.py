@@ -1,8 +1,8 @@
-"""What the search found, as tables in Markdown: the best areas, and hybrids at every setting.
+"""Results of the search, as tables in Markdown: the best areas, and hybrids at every setting.
 
 A hybrid with bounded losses and what it extends were searched over the same settings with the same
-seeds, so that their areas can be compared setting by setting. That tells what matching gradients
-does for a learner whose settings nobody has tuned.
+seeds, so that their areas can be compared setting by setting. That shows what matching gradients
+does for a learner with untuned settings.
 """
 
 from collections.abc import Iterator, Sequence
@@ -24,7 +24,7 @@ HYBRIDS = ("hybrid-ddpg-robust", "hybrid-td3")
 
 
 def searched(rows: Sequence[Outcome]) -> Iterator[str]:
-    """Yield the lines of both tables; a cell is empty where a search has not come to its end."""
+    """Yield the lines of both tables; a cell is empty if a search has not ended."""
     tasks = list(TIMESTEPS)
     yield f"## The search, {len(SEEDS)} seeds a cell\n"
     yield "Area of the best cell:\n"

@@ -3,7 +3,7 @@
     python -m service.paper.trials --algorithm hybrid-ddpg-robust --weights 1,0.1 --seeds 100-107
 
 Each cell (task, timesteps, algorithm, weights, settings, seeds) is trained once, at one core, and
-added to `results/trials.csv`, which keeps what failed too; a cell that is there is not trained
+added to `results/trials.csv`, which keeps failures, too; a cell in the file is not trained
 again. Then the gain over the baseline at equal seeds is printed, with 1.96 standard errors.
 """
 
@@ -38,7 +38,7 @@ TIMESTEPS = {
 
 
 class Cell(NamedTuple):
-    """What was trained: every field as text, as a line of the file has it."""
+    """A trained cell: every field as text, as in a line of the file."""
 
     environment: str
     timesteps: str
@@ -97,7 +97,7 @@ def trained(cell: Cell) -> NDArray[np.float64]:
 
 
 def areas_of(cell: Cell) -> NDArray[np.float64]:
-    """From the file, or trained and added."""
+    """Return the areas from the file, or train the cell and add it."""
     known = kept()
     if cell not in known:
         keep(cell, trained(cell))
@@ -123,7 +123,7 @@ def cells(options: argparse.Namespace) -> Iterator[tuple[Cell, Cell]]:
 
 
 def main() -> None:
-    """Train the cells that are not there; print all."""
+    """Train the missing cells; print all."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--algorithm", required=True)
     parser.add_argument("--weights", default="0,0", help='"w1,w2" or "w1,w2;w1,w2"')

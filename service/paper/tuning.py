@@ -3,17 +3,17 @@
 1. The settings: six cells a task for each learner that has one pair of weights, or none, on all
    tasks (`SPACES`): the learners without gradient terms, and the hybrids with bounded losses.
 2. The weights: six pairs (w1, w2) a task for each hybrid of the paper's losses, under the settings
-   that round 1 found best for the algorithm that it extends (`PAIRS`). So these have seen twelve
-   cells, six of them as what they extend.
+   that round 1 found best for the algorithm that it extends (`PAIRS`). So these have twelve cells,
+   six of them from what they extend.
 
-MPC, which does not learn, takes no part.
+MPC, which does not learn, is not searched.
 
 What is best has the largest mean, over runs, of the area under the normalised learning curve (the
 mean of its return_mean); of equals the first. A cell of which a run did not reach its end is not
 chosen. A search of the service (service/model/inquiry/search.py) trains them; its only rung has all
 cells, so that a cell costs the same number of seeds and timesteps for every learner, and its seeds
-count in no question. A search whose outcomes are all known is not made again: they outlive the
-database and the machine that found them in their table, tuning.csv.
+count in no question. A search whose outcomes are all known is not made again: tuning.csv keeps them
+independently of the database and the machine that found them.
 """
 
 import json
@@ -187,17 +187,17 @@ class Outcome:
 
     @property
     def cell(self) -> Cell:
-        """What was tried, which a table has once."""
+        """The key of a cell, which is in a table once."""
         return cell_of(self.environment, self.algorithm, self.weights, self.config)
 
 
 def cell_of(environment: str, algorithm: str, weights: Weights, config: Mapping[str, Any]) -> Cell:
-    """Return what tells a cell from all others."""
+    """Return the key of a cell."""
     return environment, algorithm, weights, json.dumps(config, sort_keys=True)
 
 
 def space_of(algorithm: str) -> Space:
-    """Where the settings of an algorithm, or of what it extends, come from."""
+    """The source of the settings of an algorithm, or of what it extends."""
     return SPACES.get(algorithm) or SPACES[catalogue.baseline(algorithm)]
 
 
@@ -233,7 +233,7 @@ def _search(
     cells: Sequence[tuple[Weights, Mapping[str, Any]]],
     known: Collection[Outcome],
 ) -> dict[str, Any] | None:
-    """Return the request of a search with one rung; None where it would find nothing new."""
+    """Return the request of a search with one rung; None if it would find nothing new."""
     there = {row.cell for row in known if row.runs == len(SEEDS)}
     wanted = {cell_of(environment, algorithm, *cell) for cell in cells}
     if wanted <= there:
@@ -319,7 +319,7 @@ def all_searches() -> list[tuple[str, str]]:
 
 
 def is_whole(rows: Iterable[Outcome], environment: str, name: str) -> bool:
-    """Whether every cell of a hybrid or of a space has its outcome on a task."""
+    """Whether every cell of a hybrid or of a space has an outcome on a task."""
     rows = [row for row in rows if row.runs == len(SEEDS)]
     if name in PAIRS:
         known = {

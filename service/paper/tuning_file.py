@@ -1,4 +1,4 @@
-"""tuning.csv: what each cell of the search reached, a line a cell."""
+"""tuning.csv: the outcome of each cell of the search, a line a cell."""
 
 import csv
 import json
@@ -13,7 +13,7 @@ FILE = "tuning.csv"
 
 
 def read(folder: Path) -> list[Outcome]:
-    """Read tuning.csv; nothing where there is none."""
+    """Read tuning.csv; return nothing if it is missing."""
     file = folder / FILE
     if not file.exists():
         return []

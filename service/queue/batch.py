@@ -1,6 +1,6 @@
-"""What is done at once: reports of different workers, writes of what they said, claims for them.
+"""Commands that are run together: reports of different workers, their writes, their claims.
 
-So the news of many workers are one transaction, and a thousand of them cost one wait for the disk.
+So the news of many workers is one transaction, and a thousand workers cost one wait for the disk.
 """
 
 from collections import deque
@@ -10,7 +10,7 @@ from itertools import islice, takewhile
 from service.queue.messages import ClaimCohort, Command, PoolLost, QueueEvent, Record
 
 TOGETHER: Mapping[type[Command], int] = {Record: 256, ClaimCohort: 32}
-"""How many are carried out in one transaction, so that it holds nothing else up for long."""
+"""Commands in one transaction, at most, so that it delays nothing else for long."""
 
 
 def take_next(events: deque[QueueEvent]) -> list[QueueEvent]:
@@ -31,12 +31,12 @@ def take_next(events: deque[QueueEvent]) -> list[QueueEvent]:
 
 
 def _worker(event: QueueEvent) -> str:
-    """Who an event is about."""
+    """The worker that an event is about."""
     return getattr(event, "worker", "")
 
 
 def next_together(commands: Sequence[Command]) -> list[Command]:
-    """Return the commands at the head that are carried out at once: of one kind, or just one."""
+    """Return the commands at the head that are run together: of one kind, or just one."""
     kind = type(commands[0])
     alike = takewhile(lambda command: type(command) is kind, commands)
     return list(islice(alike, TOGETHER.get(kind, 1)))

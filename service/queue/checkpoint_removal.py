@@ -1,8 +1,8 @@
 """Removing the checkpoints of runs that have ended; what they learned stays.
 
 Runs that reached their end keep their last one while there is room, so that they can go on to more
-timesteps: the oldest go first. Whose are to be removed stands in the database, so none is forgotten
-when the service dies.
+timesteps: the oldest are removed first. The database has the runs whose checkpoints are to be
+removed, so none is forgotten when the service dies.
 """
 
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ AT_ONCE = 256
 
 
 class CheckpointRemoval(Rounds):
-    """Looks every few seconds. Runs that reached their end keep so many bytes together."""
+    """Works every few seconds. Runs that reached their end keep a number of bytes together."""
 
     def __init__(self, store: Store, place: Place, keep_bytes: int = 0) -> None:
         """Begin nothing yet."""
@@ -30,7 +30,7 @@ class CheckpointRemoval(Rounds):
         return self.remove() == AT_ONCE
 
     def remove(self) -> int:
-        """Remove what is to be removed, and return of how many runs."""
+        """Remove checkpoints, and return of how many runs."""
         ended = self._store.ended_with_checkpoints(AT_ONCE)
         kept = [run_id for run_id, is_whole in ended.items() if is_whole and self._keep_bytes]
         if kept:

@@ -1,10 +1,10 @@
 """Dispatch: between the queue in the store and the workers of a pool.
 
-One thread repeats a round: it gives the scheduler (`service/queue/scheduler.py`) what the pool has
-reported, then a tick, and carries out what the scheduler commands; what several workers said is
-written in one transaction, and what they train next is claimed in one. The store is the record;
-what is kept here can be lost at any time, and then every lease runs out and every run is claimed
-again.
+One thread repeats a round: it passes the reports of the pool and then a tick to the scheduler
+(`service/queue/scheduler.py`), and runs the commands that the scheduler returns. Reports of several
+workers are written in one transaction, and their next runs are claimed in one. The store is the
+record; the state kept here can be lost at any time: then every lease runs out, and every run is
+claimed again.
 
 A command that the database refuses (a full disk) is tried again, and everything after it waits.
 """
@@ -62,7 +62,7 @@ def no_file(environment: str, version: int) -> None:
 
 
 class Dispatcher:
-    """Hands out runs and takes in what comes of them. `start` begins, `stop` ends in order."""
+    """Assigns runs to workers and records their results. `start` begins, `stop` ends in order."""
 
     def __init__(
         self,
@@ -146,7 +146,7 @@ class Dispatcher:
             self._carry_out()
 
     def _take_in(self) -> None:
-        """Give the scheduler what was reported; once it is recorded the pool need not keep it."""
+        """Pass reports to the scheduler; once they are recorded, the pool need not keep them."""
         while self._events:
             taken = take_next(self._events)
             self._reports_in_hand += sum(not isinstance(event, PoolLost) for event in taken)
@@ -157,7 +157,7 @@ class Dispatcher:
         self._reports_in_hand = 0
 
     def _listen(self) -> None:
-        """Wait for reports; also while the database refuses, for silence must mean silence."""
+        """Wait for reports, also while the database refuses, so that only workers can be silent."""
         is_held_up = bool(self._events or self._commands)
         if not self._state.pool_is_up or PoolLost in map(type, self._events):
             self._stopping.wait(0.0 if is_held_up else self._times.round)
@@ -170,7 +170,7 @@ class Dispatcher:
             self._events.append(_pool_lost(error))
 
     def _advance(self, *events: QueueEvent) -> None:
-        """Have the scheduler take events into account; what it commands comes first."""
+        """Pass events to the scheduler, and put its commands first."""
         commands: list[Command] = []
         for event in events:
             self._state, more = step(self._state, event, self._clock(), self._times)
@@ -178,7 +178,7 @@ class Dispatcher:
         self._commands.extendleft(reversed(commands))
 
     def _carry_out(self) -> None:
-        """Carry out what was commanded. Commands go when they are done, their answers come next."""
+        """Run the commands. A finished command is removed, and its answer is the next event."""
         while self._commands:
             together = next_together(self._commands)
             answers = self._do(together)

@@ -16,7 +16,7 @@ class DispatchTimes:
 
     report   between two reports of a worker, where there are few
     longest_report  the same where there are many: several of them to a lease
-    lease    a worker that is not heard of for so long has lost its runs
+    lease    a worker that is silent for so long has lost its runs
     grace    a worker that was told to drop a run has so long to do so before it is killed
     round    longest wait for reports; how late a cancelling or a new sweep is seen
     gather   after the first report of a round, so long for each worker others are waited for
@@ -52,9 +52,9 @@ class Cohort:
 
     name      that of its first claim; what the worker calls it
     claim     on those of its runs that are still its own
-    heard_at  when it was last heard of
+    heard_at  when it last reported
     measures  the task whose random return it was asked to measure
-    dropped   since when each run that it was told to drop has been so
+    dropped   when it was told to drop each run
     """
 
     name: str
@@ -79,7 +79,7 @@ class State:
     ticked_at        the last tick; None before the first
     expiry_at        when expired leases are looked for
     capacity         how many workers the cluster has room for
-    demand           how many workers the pool was told there is work for; None: it was not told yet
+    demand           the number of workers that the pool was told to have; None: not told yet
     demand_at        when that is looked at again
     """
 
@@ -99,7 +99,7 @@ class State:
 
     @property
     def free_cores(self) -> int:
-        """Those of idle workers, and those that the pool can bring more workers up on."""
+        """Cores of idle workers, and cores on which the pool can start more workers."""
         return max(len(self.idle), self.capacity - len(self.cohorts))
 
     def trains(self, worker: str, cohort: str) -> bool:
@@ -123,5 +123,5 @@ class State:
         return replace(state, idle=(*state.idle, worker))
 
     def up(self) -> Self:
-        """Return the state with a pool that has been heard of."""
+        """Return the state with a pool that has reported."""
         return replace(self, problem="", lost_since="", restart_wait=0.0)

@@ -1,7 +1,7 @@
-"""Throwing away: deleted sweeps, and policies and events that are older than they are kept.
+"""Removal of deleted sweeps, and of policies and events that are older than they are kept.
 
-Files go before the rows that know of them, so none is forgotten when the service dies in between.
-What was freed is logged, and counted for Prometheus.
+Files are removed before the rows that refer to them, so none is forgotten when the service dies in
+between. Freed space is logged, and counted for Prometheus.
 """
 
 import time
@@ -26,14 +26,14 @@ DAY = 86_400.0
 
 @dataclass(frozen=True)
 class Retention:
-    """For how many days policies and events are kept; None: for ever."""
+    """The number of days to keep policies and events; None: for ever."""
 
     policy_days: float | None = None
     event_days: float | None = None
 
 
 class Disposal(Rounds):
-    """Looks for deleted sweeps every few seconds, for what is too old every ten minutes."""
+    """Removes deleted sweeps every few seconds, and what is too old every ten minutes."""
 
     def __init__(
         self,
@@ -51,7 +51,7 @@ class Disposal(Rounds):
         self._due_at = clock()
 
     def work(self) -> bool:
-        """Throw some of it away."""
+        """Remove some of it."""
         if self._purge_deleted():
             return True
         if self._clock() < self._due_at:

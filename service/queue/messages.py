@@ -1,4 +1,4 @@
-"""What the scheduler is told (events), and what it commands."""
+"""The events that the scheduler receives, and the commands that it returns."""
 
 from dataclasses import dataclass
 
@@ -15,12 +15,12 @@ Version = tuple[str, int]
 
 @dataclass(frozen=True)
 class Tick:
-    """A round has begun, and every report that had come by then was given before."""
+    """A round has begun; every report that had arrived by then was passed on before."""
 
 
 @dataclass(frozen=True)
 class PoolLost:
-    """The pool cannot be had, or is no more. `noticed` is the time of day."""
+    """The pool is unavailable, or has ended. `noticed` is the time of day."""
 
     reason: str
     noticed: str
@@ -28,7 +28,7 @@ class PoolLost:
 
 @dataclass(frozen=True)
 class Recorded:
-    """News are in the store; `held` are the runs of the claim that go on."""
+    """News is in the store; `held` are the runs of the claim that go on."""
 
     news: News
     held: frozenset[str]
@@ -43,7 +43,7 @@ class Cancelling:
 
 @dataclass(frozen=True)
 class Waiting:
-    """How many runs of each cell could be claimed, and whose random return is known.
+    """How many runs of each cell could be claimed, and which random returns are known.
 
     No more than `limit` runs were counted.
     """
@@ -55,7 +55,7 @@ class Waiting:
 
 @dataclass(frozen=True)
 class Claimed:
-    """What a claim for a worker got; None where nothing waits any more."""
+    """The claim of a worker; None if nothing waits any more."""
 
     worker: str
     claim: Claim | None
@@ -77,7 +77,7 @@ class Record:
 
 @dataclass(frozen=True)
 class Lose:
-    """Queue what is left of a claim again: its worker was lost."""
+    """Queue the remaining runs of a claim again: its worker was lost."""
 
     claim: Claim
     reason: str
@@ -86,7 +86,7 @@ class Lose:
 
 @dataclass(frozen=True)
 class Release:
-    """Queue what is left of a claim again at once: nothing was wrong with it."""
+    """Queue the remaining runs of a claim again at once: nothing was wrong with them."""
 
     claim: Claim
     reason: str
@@ -94,7 +94,7 @@ class Release:
 
 @dataclass(frozen=True)
 class Fail:
-    """End what is left of a claim: its code raised."""
+    """End the remaining runs of a claim: their code raised."""
 
     claim: Claim
     error: str
@@ -113,7 +113,7 @@ class AskCancelling:
 
 @dataclass(frozen=True)
 class AskWaiting:
-    """Count no more runs than that. Answer: Waiting."""
+    """Count waiting runs, up to a limit. Answer: Waiting."""
 
     limit: int
 
@@ -129,19 +129,19 @@ class ClaimCohort:
 
 @dataclass(frozen=True)
 class StartPool:
-    """Bring workers up."""
+    """Start workers."""
 
 
 @dataclass(frozen=True)
 class Demand:
-    """There is work for so many workers."""
+    """Tell the pool for how many workers there is work."""
 
     workers: int
 
 
 @dataclass(frozen=True)
 class Train:
-    """Have a worker train a cohort."""
+    """Let a worker train a cohort."""
 
     worker: str
     work: Work
@@ -149,7 +149,7 @@ class Train:
 
 @dataclass(frozen=True)
 class Drop:
-    """Have a worker train these seeds no further."""
+    """Stop the training of these seeds by a worker."""
 
     worker: str
     seeds: frozenset[int]

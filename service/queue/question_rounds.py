@@ -2,9 +2,9 @@
 
 The next batch is a pure function of the runs that have ended (`service/analysis/question`). Nothing
 is remembered here: a service that is killed at any moment asks for the same seeds again, and the
-store writes them once, and only of what the sweep still is
-(`service/store/claiming/inquiry/question_batches.py`). Searches climb in
-`service/queue/search_rounds.py`.
+store writes them once, and only if the sweep has not changed
+(`service/store/claiming/inquiry/question_batches.py`). `service/queue/search_rounds.py` has the
+rounds of searches.
 """
 
 from collections.abc import Mapping, Sequence
@@ -26,7 +26,7 @@ Batch = Mapping[Cell, Sequence[int]]
 
 
 class QuestionRounds(Rounds):
-    """Looks twice a second."""
+    """Works twice a second."""
 
     def __init__(self, store: Store, seconds: float = ROUND_SECONDS) -> None:
         """Begin nothing yet."""
@@ -34,13 +34,13 @@ class QuestionRounds(Rounds):
         self._store = store
 
     def work(self) -> bool:
-        """Look at every question and search whose batch has ended."""
+        """Continue every question and search whose batch has ended."""
         look_at_all(self._store)
         return False
 
 
 def look_at_all(store: Store) -> int:
-    """Look at all whose batch or rung has ended; return how many runs were added, or go on."""
+    """Continue all whose batch or rung has ended; return how many runs were added or go on."""
     return sum(look(store, sweep_id) for sweep_id in store.waiting_questions())
 
 
@@ -56,7 +56,7 @@ def look(store: Store, sweep_id: str) -> int:
 
 
 def next_batch(store: Store, sweep: Sweep) -> Batch:
-    """Return the seeds that the cells of a sweep are to have."""
+    """Return the seeds that the cells of a sweep shall have."""
     question, entries = Question.of(sweep.request), Entries(sweep.request)
     if question is None:
         return {}

@@ -12,10 +12,10 @@ STOP_SECONDS = 1.0
 
 
 class Rounds(ABC):
-    """`start` begins, `stop` ends. What fails in one round is tried again in the next."""
+    """`start` begins, `stop` ends. A round that fails is tried again."""
 
     def __init__(self, name: str, seconds: float = ROUND_SECONDS) -> None:
-        """Begin nothing yet; `name` says what is done, `seconds` how long a pause is."""
+        """Begin nothing yet; `name` describes the work, `seconds` is the length of a pause."""
         self._name = name
         self._seconds = seconds
         self._stopping = threading.Event()
@@ -26,16 +26,16 @@ class Rounds(ABC):
         self._thread.start()
 
     def stop(self) -> None:
-        """Stop after what is under way, or leave it where a place for files does not answer.
+        """Stop after the present round, or leave it running if a place for files does not answer.
 
-        The next service does what was not done.
+        The next service does what was left.
         """
         self._stopping.set()
         self._thread.join(STOP_SECONDS)
 
     @abstractmethod
     def work(self) -> bool:
-        """Do some of what there is to do; return whether there may be more."""
+        """Do some of the work; return whether there may be more."""
 
     def _run(self) -> None:
         while not self._stopping.wait(self._seconds):

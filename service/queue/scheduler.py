@@ -2,14 +2,14 @@
 
     step: (state, event, now) -> (state, commands)
 
-Events are what the pool reports, what the store answers, and ticks; commands are writes and
-questions to the store, and orders to the pool (`service/queue/messages.py`). There is no
-thread, no clock and no store in here: `service/queue/dispatch.py` carries the commands out.
+Events are reports of the pool, answers of the store, and ticks; commands are writes and queries to
+the store, and orders to the pool (`service/queue/messages.py`). There is no thread, no clock and no
+store in here: `service/queue/dispatch.py` runs the commands.
 
-The answer to a command is the next event. A command to the store may be carried out again where its
-answer was lost: every write is fenced by the attempts of its claim, so a second one changes
-nothing, and a claim that nobody heard of ends with its lease. What is kept here can be lost at any
-time for the same reason.
+The answer to a command is the next event. A command to the store may be run again if its answer was
+lost: every write is fenced by the attempts of its claim, so a second one changes nothing, and a
+claim whose answer was lost ends with its lease. For this reason, the state kept here can be lost at
+any time.
 """
 
 import math
@@ -56,7 +56,7 @@ NO_ROOM = (
 )
 
 DEMANDED_COHORTS = 256
-"""So many that wait are counted: more workers than that are not called for at a time."""
+"""Waiting runs are counted up to this number, which limits the workers asked for at a time."""
 
 
 Step = tuple[State, list[Command]]
@@ -65,7 +65,7 @@ Step = tuple[State, list[Command]]
 def step(  # noqa: PLR0911, PLR0912  (one an event)
     state: State, event: QueueEvent, now: float, times: DispatchTimes
 ) -> Step:
-    """Take one event into account, and say what is to be done."""
+    """Take one event into account, and return the commands."""
     match event:
         case Tick():
             return _tick(state, now, times)
@@ -82,7 +82,7 @@ def step(  # noqa: PLR0911, PLR0912  (one an event)
             return _recorded(state, event)
         case Ended(worker, cohort) if state.trains(worker, cohort):
             claim = state.cohorts[worker].claim
-            lose = Lose(claim, "its worker ended before it did")
+            lose = Lose(claim, "its worker ended before the run did")
             return state.freeing(worker), [lose] if claim.runs else []
         case Failed(worker, cohort, error, log_tail) if state.trains(worker, cohort):
             fail = Fail(state.cohorts[worker].claim, error, log_tail)
@@ -106,7 +106,7 @@ def step(  # noqa: PLR0911, PLR0912  (one an event)
 
 
 def _tick(state: State, now: float, times: DispatchTimes) -> Step:
-    """Do what is due: start the pool, give up the silent, look for what changed in the store."""
+    """Do what is due: start the pool, give up silent workers, look for changes in the store."""
     commands: list[Command] = []
     if not state.pool_is_up and now >= state.restart_at:
         state = replace(state, pool_is_up=True)
@@ -131,9 +131,9 @@ def _tick(state: State, now: float, times: DispatchTimes) -> Step:
 
 
 def _forgive_the_unheard(state: State, now: float, times: DispatchTimes) -> State:
-    """Time in which nobody listened is no worker's silence, and no lease could be renewed in it.
+    """Discount time in which this process did not listen: no lease could be renewed in it.
 
-    So it was before the first tick, and while this process was frozen.
+    That is the time before the first tick, and while this process was frozen.
     """
     deaf = math.inf if state.ticked_at is None else now - state.ticked_at
     if deaf <= times.lease / 3:
@@ -149,7 +149,7 @@ def _forgive_the_unheard(state: State, now: float, times: DispatchTimes) -> Stat
 
 
 def _recorded(state: State, recorded: Recorded) -> Step:
-    """Runs that are no longer ours are to be trained no further."""
+    """Stop the training of runs that this service holds no longer."""
     worker, progress = recorded.news.worker, recorded.news.progress
     cohort = state.cohorts[worker]
     taken_away = (
@@ -161,7 +161,7 @@ def _recorded(state: State, recorded: Recorded) -> Step:
 
 
 def _room(state: State, room: Capacity) -> State:
-    """Take what the cluster has room for into account; the workers may all be yet to come."""
+    """Take the room of the cluster into account; its workers may not have started yet."""
     state = replace(state.up(), capacity=room.workers)
     if not room.workers:
         return replace(state, problem=NO_ROOM)
@@ -170,9 +170,9 @@ def _room(state: State, room: Capacity) -> State:
 
 
 def _retired(state: State, worker: str) -> Step:
-    """Put back at once what the worker was given too late."""
+    """Queue at once what the worker was given too late."""
     cohort = state.cohorts.get(worker)
-    reason = "its worker was retired before it began"
+    reason = "its worker was retired before the run began"
     return state.without(worker), [] if cohort is None else [Release(cohort.claim, reason)]
 
 
@@ -182,7 +182,7 @@ def _lost(state: State, worker: str, reason: str, log_tail: str) -> Step:
 
 
 def _pool_lost(state: State, lost: PoolLost, now: float, times: DispatchTimes) -> Step:
-    """Every worker is lost with its pool, which is started again after a pause."""
+    """Lose every worker with its pool, which is started again after a pause."""
     reason = "its worker was lost with the cluster"
     commands: list[Command] = [Lose(cohort.claim, reason) for cohort in state.cohorts.values()]
     since = state.lost_since or lost.noticed
@@ -192,7 +192,7 @@ def _pool_lost(state: State, lost: PoolLost, now: float, times: DispatchTimes) -
         idle=(),
         cohorts={},
         pool_is_up=False,
-        problem=f"the cluster is unreachable since {since}: {lost.reason}",
+        problem=f"the cluster has been unreachable since {since}: {lost.reason}",
         lost_since=since,
         restart_at=now + wait,
         restart_wait=min(2 * wait, times.longest_restart),
@@ -206,13 +206,13 @@ def _pool_lost(state: State, lost: PoolLost, now: float, times: DispatchTimes) -
 
 
 def _cancel(state: State, runs: frozenset[str], now: float, times: DispatchTimes) -> Step:
-    """Have cancelled runs dropped; end the workers that did not do so within the grace."""
+    """Let workers drop cancelled runs; end workers that did not do so within the grace."""
     commands: list[Command] = []
     for worker, cohort in state.cohorts.items() if runs else ():
         asked = {run.run_id: run.spec.seed for run in cohort.claim.runs if run.run_id in runs}
         if any(now - cohort.dropped.get(run, now) > times.grace for run in asked):
             state = state.without(worker)
-            reason = "its worker was ended to cancel a neighbour"
+            reason = "its worker was ended to cancel another of its runs"
             commands += [Kill(worker), Release(cohort.claim, reason)]
         elif fresh := asked.keys() - cohort.dropped.keys():
             dropped = {**cohort.dropped, **dict.fromkeys(fresh, now)}
@@ -222,7 +222,7 @@ def _cancel(state: State, runs: frozenset[str], now: float, times: DispatchTimes
 
 
 def _waiting(state: State, waiting: Waiting, times: DispatchTimes) -> Step:
-    """Claim for idle workers, the longest idle first; say how many workers there is work for."""
+    """Claim for idle workers, the longest idle first; tell for how many workers there is work."""
     state = replace(state, random_returns=waiting.random_returns)
     size = cohort_size(waiting.cells, state.free_cores)
     ready = cohorts(waiting.cells, size)
@@ -239,11 +239,11 @@ def _waiting(state: State, waiting: Waiting, times: DispatchTimes) -> Step:
 def _claimed(
     state: State, worker: str, claim: Claim | None, now: float, times: DispatchTimes
 ) -> Step:
-    """Have the claim trained."""
+    """Let the worker train the claim."""
     if claim is None:
         return state, []
     if worker not in state.idle:
-        return state, [Release(claim, "its worker was lost before it began")]
+        return state, [Release(claim, "its worker was lost before the run began")]
     first = claim.runs[0]
     version = (first.spec.environment, first.environment_version)
     in_measurement = {cohort.measures for cohort in state.cohorts.values()}
@@ -261,11 +261,11 @@ def _claimed(
 
 
 def _report_seconds(state: State, times: DispatchTimes) -> float:
-    """How often a worker is to report, so that all of them do not say too much."""
+    """The time between reports of a worker, so that all workers together do not report too much."""
     workers = len(state.idle) + len(state.cohorts)
     return min(max(times.report, workers / REPORTS_A_SECOND), times.longest_report)
 
 
 def _ask_waiting(state: State, cohorts: int = 0) -> AskWaiting:
-    """Ask for as much as the free cores, or so many workers, could have at once."""
+    """Count as many runs as the free cores, or so many workers, could have at once."""
     return AskWaiting(max(state.free_cores, cohorts) * COHORT_LIMIT)

@@ -1,7 +1,7 @@
 """The rounds of searches: after each rung, the next one, until the best entry is found.
 
-As with questions, nothing is remembered here. The next rung is a pure function of what was planned
-and of what the runs have measured (`service/analysis/halving.py`), and the store writes it once
+As with questions, nothing is remembered here. The next rung is a pure function of the plan and of
+what the runs have measured (`service/analysis/halving.py`), and the store writes it once
 (`service/store/claiming/inquiry/search_rungs.py`).
 """
 
@@ -19,13 +19,13 @@ from service.store.store import Store
 from workers.messages.run_spec import RunSpec, Weights
 
 Rung = Mapping[Cell, int]
-"""The timesteps that cells are to have."""
+"""The timesteps that cells shall have."""
 Setting = tuple[str, str, Weights, str]
 """A task, an algorithm, its weights, its settings as text."""
 
 
 def next_rung(store: Store, sweep: Sweep, search: Search) -> Rung:
-    """Return the timesteps that the cells of a search are to have."""
+    """Return the timesteps that the cells of a search shall have."""
     [curves] = store.curves(sweep.id, ["return_mean"])
     entries = Entries(sweep.request)
     places = {entry.label: entry.place for entry in entries.all}
@@ -34,7 +34,7 @@ def next_rung(store: Store, sweep: Sweep, search: Search) -> Rung:
 
 
 def ladders_of(store: Store, sweep: Sweep, search: Search) -> list[Ladder]:
-    """Return how far the entries of a search have climbed, as its runs stand."""
+    """Return the rungs that the entries of a search have reached, from its present runs."""
     [curves] = store.curves(sweep.id, ["return_mean"])
     return _ladders(store, curves, Entries(sweep.request), search)
 
@@ -50,7 +50,7 @@ def searches_that_tried(store: Store, sweep: Sweep) -> list[Sweep]:
 
 
 def _settings(store: Store, sweep: Sweep) -> set[Setting]:
-    """What cells compare, whatever their seeds and timesteps."""
+    """What cells compare, apart from seeds and timesteps."""
     return {_setting(cell.spec) for cell in store.sweep_cells(sweep.id)}
 
 

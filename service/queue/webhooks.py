@@ -1,7 +1,7 @@
-"""Telling webhooks that sweeps have ended; on a thread of its own, so that nothing waits for it.
+"""Calling webhooks when sweeps have ended; on a thread of its own, so that nothing waits for it.
 
-An end is told at least once: tried again after 2, 4, 8 ... 600 seconds, up to 20 times. Redirects
-are not followed, and of an answer the status alone is looked at.
+An end is delivered at least once: tried again after 2, 4, 8 ... 600 seconds, up to 20 times.
+Redirects are not followed, and only the status of an answer is read.
 """
 
 import time
@@ -32,7 +32,7 @@ class Webhooks(Rounds):
         service_url: str,
         transport: httpx2.BaseTransport | None = None,
     ) -> None:
-        """Begin nothing yet. Only `hosts` are asked, where there are some; others are for tests."""
+        """Begin nothing yet. If there are `hosts`, only these are called; the rest is for tests."""
         super().__init__("webhooks", ROUND_SECONDS)
         self._store = store
         self._secret = secret
@@ -54,7 +54,7 @@ class Webhooks(Rounds):
         return len(found) == AT_ONCE
 
     def _told(self, due: Due) -> str:
-        """Send it, and return what was wrong; empty where nothing was."""
+        """Send it, and return what was wrong; empty if nothing was."""
         body, at = due.body(self._service_url), int(time.time())
         headers = {
             "Content-Type": "application/json",

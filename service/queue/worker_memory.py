@@ -1,4 +1,4 @@
-"""Memory of workers: how much the runs of one may fill, and how many of a cell that are.
+"""Memory of workers: how much the runs of one may fill, and how many runs of a cell that is.
 
     runs at once = min(16, worker memory / memory of a run)
 
@@ -48,7 +48,7 @@ def runs_at_once(cell: RunSpec, worker_memory: int) -> int:
 
 @lru_cache(maxsize=1024)
 def memory_of(cell: RunSpec) -> int:
-    """Bytes that each run of a cell comes to fill. Raises ValueError for what no learner takes."""
+    """Bytes that each run of a cell needs. Raises ValueError for settings that no learner takes."""
     return bytes_per_run(
         cell.algorithm,
         environment_facts(cell.environment),

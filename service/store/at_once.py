@@ -4,7 +4,7 @@
     insert_each(connection, attempts, rows)
     update_each(connection, runs, ("number",), rows, lambda new: {"score": new["score"]})
 
-On PostgreSQL what they are given goes as arrays, so that a statement is prepared once: a list of
+On PostgreSQL their values are passed as arrays, so that a statement is prepared once: a list of
 marks (`IN (%s, %s, ...)`) is another text for each length, which SQLAlchemy renders and the server
 parses anew. On SQLite `among` takes one JSON list, and a prepared statement runs row by row.
 """
@@ -48,7 +48,7 @@ class Numbers(TypeDecorator[Collection[int]]):
     cache_ok = True
 
     def load_dialect_impl(self, dialect: Dialect) -> TypeEngine[Any]:
-        """Return what the database has for them."""
+        """Return the parameter in the form of the database."""
         return dialect.type_descriptor(Text() if dialect.name == "sqlite" else ARRAY(BigInteger()))
 
     def process_bind_param(self, value: Collection[int] | None, dialect: Dialect) -> Any:
@@ -67,7 +67,7 @@ class among(FunctionElement[bool]):  # noqa: N801  (reads as the condition it is
     inherit_cache = True
 
     def __init__(self, compared: ColumnElement[int], numbers: Collection[int]) -> None:
-        """Compare a column with numbers, however many."""
+        """Compare a column with any number of integers."""
         super().__init__(compared, bindparam(None, numbers, Numbers(), unique=True))
 
 

@@ -1,4 +1,4 @@
-"""Column types that give back exactly what was put in, and the database's own clock."""
+"""Column types that return exactly what was stored, and the database's own clock."""
 
 import json
 import math
@@ -46,7 +46,7 @@ class Document(TypeDecorator[Mapping[str, Any]]):
     cache_ok = True
 
     def process_bind_param(self, value: Mapping[str, Any] | None, dialect: Dialect) -> str | None:
-        """Write it; NaN and infinities are refused, JSON has none."""
+        """Write it. NaN and infinities are refused: JSON has none."""
         del dialect
         return None if value is None else json.dumps(value, allow_nan=False)
 

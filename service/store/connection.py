@@ -6,7 +6,7 @@ commit survive a power cut. A writing transaction takes its lock as it begins (`
 one that began as a reader could fail at its first write whatever `busy_timeout` says.
 
 On PostgreSQL the writer's session holds an advisory lock: there is one writer a database, and when
-it has had to connect anew, nothing that it began before is still under way. Readers see one
+it has had to connect again, nothing that it began before is still under way. Readers see one
 snapshot a transaction, as they do on SQLite.
 """
 
@@ -44,7 +44,7 @@ allocated under a lock: the points of a large sweep take 1.5 times as long.
 def connect(url: str | URL, role: Role) -> Engine:
     """Make the engine of one role. The writer's holds one connection; a reader's cannot write.
 
-    A SQLite database is its user's alone, whoever made it.
+    Only its user can read a SQLite database, even if others made the file.
 
     Raises UnsafeSQLiteError for a SQLite that can corrupt the database, MissingDriverError where
     psycopg is not installed; as they connect, both UnfitServerError and the writer's
@@ -105,7 +105,7 @@ def _connect_sqlite(address: URL, role: Role, size: dict[str, int]) -> Engine:
 
 
 def _close_to_others(file: Path) -> None:
-    """Make the file, or take from other users what they may do; SQLite's files beside it follow."""
+    """Make the file, or take away other users' rights; SQLite gives its other files the same."""
     with suppress(OSError):  # whatever is wrong, SQLite will say as it opens the file
         os.close(os.open(file, os.O_RDWR | os.O_CREAT, 0o600))
     for each in (file, *(file.with_name(file.name + suffix) for suffix in ("-wal", "-shm"))):

@@ -1,7 +1,7 @@
-"""Curves of ended runs, kept in memory: whoever looks at a sweep again reads only what is new.
+"""Curves of ended runs, kept in memory: a repeated look at a sweep reads only what is new.
 
-A run that has ended is measured no more. A retry, or more timesteps, make it a run that goes on,
-and it ends again as another attempt or at another time; both stand in the key.
+An ended run has no new measurements. A retry or more timesteps let it go on, and it ends again as
+another attempt or at another time; both are in the key.
 """
 
 import threading
@@ -18,7 +18,7 @@ OBJECTS = 400
 
 @dataclass(frozen=True)
 class Line:
-    """One metric of one run over one abscissa, both float64 [n]; nobody writes into them.
+    """One metric of one run over one abscissa, both float64 [n] and read-only.
 
     shares_x  whether another line brought its places already
     """
@@ -29,12 +29,12 @@ class Line:
 
     @property
     def bytes(self) -> int:
-        """What it takes beside what it shares."""
+        """Its bytes, without the arrays that it shares."""
         return (0 if self.shares_x else self.x.nbytes) + self.values.nbytes + OBJECTS
 
 
 class CurveMemory:
-    """The lines that were asked for last, in so many bytes; from any thread."""
+    """The most recently used lines, within a number of bytes. Safe from any thread."""
 
     def __init__(self, most_bytes: int) -> None:
         """Keep nothing yet."""
@@ -47,7 +47,7 @@ class CurveMemory:
             return self._lines.get(key)
 
     def keep(self, key: Hashable, line: Line) -> None:
-        """Keep the line until others have taken its place; one larger than the memory is not."""
+        """Keep the line until newer ones replace it; a line larger than the memory is not kept."""
         if line.bytes <= self._lines.maxsize:
             with self._lock:
                 self._lines[key] = line

@@ -12,7 +12,7 @@ from service.store.tables import sessions, shares, users
 
 
 def all_users(connection: Connection) -> list[User]:
-    """Return every user, those that were revoked too, by name."""
+    """Return every user by name, revoked ones included."""
     rows = connection.execute(select(users).order_by(users.c.name))
     return [noun_of(User, row, scope=Scope(row.scope)) for row in rows]
 
@@ -37,7 +37,7 @@ def add_user(connection: Connection, name: str, scope: Scope, token_hash: str) -
         connection.execute(insert(users).values(name=name, **values))
     elif found.revoked_at is None:
         raise ImpossibleMoveError(
-            f"there is a user {name!r} already: revoke it first for a new token"
+            f"there is a user {name!r} already: revoke it first to make a new token"
         )
     else:
         again = update(users).where(users.c.name == name).values(created_at=now(), **values)
@@ -45,7 +45,7 @@ def add_user(connection: Connection, name: str, scope: Scope, token_hash: str) -
 
 
 def revoke_user(connection: Connection, name: str) -> None:
-    """Take a user's token away, and the sessions and shares that were made with it."""
+    """Revoke a user's token, and the sessions and shares that were made with it."""
     is_meant = (users.c.name == name) & users.c.revoked_at.is_(None)
     connection.execute(update(users).where(is_meant).values(revoked_at=now()))
     given = select(shares.c.token_hash).where(shares.c.made_by == name)
@@ -61,7 +61,7 @@ def add_share(connection: Connection, share: Share) -> None:
 
 
 def remove_share(connection: Connection, share_id: str) -> None:
-    """Take a share back, with the sessions that it opened."""
+    """Revoke a share, with the sessions that it opened."""
     given = select(shares.c.token_hash).where(shares.c.id == share_id)
     connection.execute(delete(sessions).where(sessions.c.key_hash.in_(given)))
     connection.execute(delete(shares).where(shares.c.id == share_id))

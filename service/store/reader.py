@@ -22,7 +22,7 @@ class Reader:
         return outlasting(lambda: self._once(unit))
 
     def close(self) -> None:
-        """Let go of the connections."""
+        """Close the connections."""
         self._engine.dispose()
 
     def _once(self, unit: Callable[[Connection], Result]) -> Result:

@@ -1,6 +1,6 @@
-"""Recording what workers say: measurements, the lease, and runs that ended by themselves.
+"""Recording the reports of workers: measurements, the lease, and runs that ended by themselves.
 
-What many workers said is written together, statement by statement: the cost is that of the rows.
+Reports of many workers are written together, statement by statement: rows alone have a cost.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -25,7 +25,7 @@ from workers.messages.progress import Activity, Progress
 
 @dataclass(frozen=True)
 class Heard:
-    """What a worker said, and the runs of its claim that are still its own: by name, by seed."""
+    """The report of a worker, and the runs of its claim that it still holds: by name, by seed."""
 
     claim: Claim
     progress: Progress
@@ -39,7 +39,7 @@ class Heard:
 
 
 def record_all(connection: Connection, said: Sequence[tuple[Claim, Progress]]) -> list[set[str]]:
-    """Write what workers said, renew leases, and return each one's runs that are still its own.
+    """Write reports of workers, renew leases, and return the runs that each still holds.
 
     Seeds that finished, diverged or were dropped end here, with their last measurements, at once
     or not at all. No run is in two of the claims.
@@ -67,7 +67,7 @@ def record_all(connection: Connection, said: Sequence[tuple[Claim, Progress]]) -
 
 
 def _go_on(connection: Connection, heard: Sequence[Heard]) -> None:
-    """Renew the lease of all, and note how far those in training have come."""
+    """Renew the lease of all, and write the timesteps of those in training."""
     update_each(
         connection,
         runs,
@@ -82,7 +82,7 @@ def _go_on(connection: Connection, heard: Sequence[Heard]) -> None:
 
 
 def _renewals(heard: Heard) -> Iterator[Mapping[str, Any]]:
-    """What each run's row is told; what is None stays as it is."""
+    """The new values of each run's row; None leaves a value as it is."""
     progress = heard.progress
     trained = heard.in_training if progress.activity is Activity.TRAINING else set()
     for seed, row in heard.by_seed.items():
@@ -95,7 +95,7 @@ def _renewals(heard: Heard) -> Iterator[Mapping[str, Any]]:
 
 
 def _measure(connection: Connection, heard: Sequence[Heard]) -> None:
-    """Add the measurements of runs still held; a run that came further is out of its losses."""
+    """Add the measurements of runs still held; progress resets the losses of a run."""
     fresh = points.add(
         connection,
         [
@@ -115,7 +115,7 @@ def _measure(connection: Connection, heard: Sequence[Heard]) -> None:
 
 
 def _measured(heard: Heard, reached: Mapping[int, Sequence[int]]) -> Iterator[events.Change]:
-    """What whoever watches is to know of a report: one entry for all runs that came equally far."""
+    """The events of a report: one entry for all runs at the same timestep."""
     spans: dict[tuple[int, int], list[Row[Any]]] = {}
     for row in heard.held.values():
         if steps := reached.get(row.number):
@@ -126,7 +126,7 @@ def _measured(heard: Heard, reached: Mapping[int, Sequence[int]]) -> Iterator[ev
 
 
 def _endings(heard: Heard) -> list[Ending]:
-    """How those runs end that ended by themselves or were dropped."""
+    """The ends of runs that ended by themselves or were dropped."""
     progress, by_seed = heard.progress, heard.by_seed
     ends = [
         endings.ended(row, RunStatus.SUCCEEDED, "", timestep=row.timesteps)
@@ -154,6 +154,6 @@ def _endings(heard: Heard) -> list[Ending]:
 
 
 def _going_on(heard: Heard) -> set[str]:
-    """The runs that the worker is to train further."""
+    """The runs that the worker shall train further."""
     gone = heard.progress.gone
     return {run_id for run_id, row in heard.held.items() if row.seed not in gone}

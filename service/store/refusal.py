@@ -1,4 +1,4 @@
-"""What the store says no to."""
+"""Refusals of the store."""
 
 from service.refusal import RefusalError
 
@@ -8,7 +8,7 @@ class NotFoundError(LookupError):
 
 
 class ImpossibleMoveError(ValueError):
-    """What is asked cannot happen from where the run, sweep or user stands; the text says why."""
+    """The state of the run, sweep or user does not allow the move; the text says why."""
 
 
 class SubmissionKeyReusedError(ValueError):
@@ -16,7 +16,7 @@ class SubmissionKeyReusedError(ValueError):
 
 
 class TooManyAskedError(RuntimeError):
-    """More was asked for than may wait; the text says how much does."""
+    """Too many diagnoses would wait; the text says how many do."""
 
 
 class UnsafeSQLiteError(RefusalError):
@@ -24,11 +24,11 @@ class UnsafeSQLiteError(RefusalError):
 
 
 class MissingDriverError(RefusalError):
-    """What talks to this kind of database is not installed."""
+    """The driver of this kind of database is not installed."""
 
 
 class TransferError(RuntimeError):
-    """A copy of a database that would not be one; the text says what is wrong."""
+    """A database cannot be copied exactly; the text says what is wrong."""
 
 
 class OutdatedTablesError(RefusalError):
@@ -44,7 +44,7 @@ class NewerTablesError(RefusalError):
 
 
 class UnusableDatabaseError(RefusalError):
-    """The database cannot be opened: it is damaged, no database, or not reached."""
+    """The database cannot be opened: it is damaged, not a database, or unreachable."""
 
 
 class UnfitServerError(RefusalError):

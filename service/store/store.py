@@ -1,11 +1,11 @@
-"""The store: what the rest of the service asks of the database.
+"""The store: every query and command of the service on the database.
 
 Promises. Safe from any thread. Every method is one transaction: all of it happens or nothing, and
 what a method returned has survived a power cut. A crash leaves the last committed state. Final
-states never change, but that users may retry what failed, and a write under a claim that was given
-up changes nothing. Every change appends its event in the same transaction. Floats come back as they
-went in (see `column_types.Exact`), NaN and infinities too. A database that restarts is waited for
-(`outage`): what was under way then happens once, and late.
+states never change, except that users may retry what failed, and a write under a claim that was
+given up changes nothing. Every change appends its event in the same transaction. Floats come back
+as they went in (see `column_types.Exact`), NaN and infinities too. The store waits for a database
+that restarts (`outage`): what was under way then happens once, and late.
 
 Most methods are a query or a command of another file, which says there what it does to a
 connection: `find_run = _reads(runs.find)`.
@@ -127,15 +127,15 @@ class Store:
         return cls(writer, connect(url, "reader"), retry or RetryPolicy())
 
     def close(self) -> None:
-        """Commit what is queued and let go of the database."""
+        """Commit what is queued and close the database."""
         self._writer.close()
         self._reader.close()
         self._writer_engine.dispose()
 
     def check(self) -> None:
-        """Read something, and where the last write failed, write; raises what the database raises.
+        """Read something, and write if the last write failed; raises what the database raises.
 
-        Without that, a disk that was full would be so until somebody had to write something.
+        Without the write, a full disk would be reported as full until the next write.
         """
         self._reader.read(lambda c: c.execute(text("SELECT 1 FROM runs LIMIT 1")).all())
         if self._writer.is_failing:
@@ -147,7 +147,7 @@ class Store:
         *args: P.args,
         **kwargs: P.kwargs,
     ) -> Result:
-        """Return what the query finds, in a transaction of its own."""
+        """Run the query in a transaction of its own, and return its result."""
         return self._reader.read(lambda connection: query(connection, *args, **kwargs))
 
     def write(
@@ -156,7 +156,7 @@ class Store:
         *args: P.args,
         **kwargs: P.kwargs,
     ) -> Result:
-        """Carry out the command in a transaction of its own, and return what it returned."""
+        """Run the command in a transaction of its own, and return its result."""
         return self._writer.write(lambda connection: command(connection, *args, **kwargs))
 
     # ---- sweeps and runs
@@ -224,7 +224,7 @@ class Store:
         lease_seconds: float,
         limit_of: CellLimit = no_limit,
     ) -> list[Claim | None]:
-        """Do as `claim_cohort` for several workers (worker, limit) in turn, at once."""
+        """Apply `claim_cohort` to several workers (worker, limit), in order and at once."""
 
         def at_most(limit: int) -> CellLimit:
             return lambda cell: min(limit, limit_of(cell), COHORT_LIMIT)
@@ -233,28 +233,28 @@ class Store:
         return self.write(claims.claim_all, limits, lease_seconds)
 
     def record(self, claim: Claim, progress: Progress) -> set[str]:
-        """Write what a worker said, renew the lease, end runs that ended by themselves.
+        """Write the report of a worker, renew the lease, end runs that ended by themselves.
 
-        Returns the runs of the claim that go on; the worker is to stop training the others.
+        Returns the runs of the claim that go on; the worker must stop training the others.
         """
         [held] = self.record_all([(claim, progress)])
         return held
 
     def record_all(self, said: Sequence[tuple[Claim, Progress]]) -> list[set[str]]:
-        """Do as `record` with what several workers said, at once. No run is in two of the claims.
+        """Apply `record` to the reports of several workers at once. No run is in two of the claims.
 
-        A claim that was given up changes nothing and keeps none of the others from it.
+        A claim that was given up changes nothing and does not affect the others.
         """
         held = self.write(records.record_all, said)
         MEASUREMENTS.inc(sum(len(progress.measurements) for _, progress in said))
         return held
 
     def lose(self, claim: Claim, reason: str, log_tail: str = "") -> None:
-        """Queue what is left of the claim again after a wait, or fail it after too many losses."""
+        """Queue the runs of the claim again after a wait, or fail them after too many losses."""
         self.write(endings.lose, claim, reason, log_tail, self._retry)
 
     def lose_expired(self) -> int:
-        """Do as `lose` with every run whose lease has ended; return how many there were."""
+        """Apply `lose` to every run whose lease has ended; return how many there were."""
         if not self.read(claims.has_expired):  # usually: then nothing is written
             return 0
         return self.write(endings.lose_expired, self._retry)

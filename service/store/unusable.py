@@ -1,7 +1,7 @@
-"""Databases that cannot be opened: what was found, and what whoever runs the service does about it.
+"""Databases that cannot be opened: what is wrong, and what the operator can do.
 
-What a PostgreSQL says as it refuses a connection has no SQLSTATE, only words, which it may say in
-another language; then there is the general advice.
+When PostgreSQL refuses a connection, its error has no SQLSTATE, only words, which may be in another
+language; then the advice is general.
 """
 
 from collections.abc import Mapping
@@ -14,7 +14,7 @@ from service.store.refusal import UnfitServerError
 
 OLDEST_SERVER = 14
 ENCODING = "UTF8"
-GENERAL = "Is it up, and D3PG_DATABASE_URL right?"
+GENERAL = "Check that the server is up and that D3PG_DATABASE_URL is right."
 MAKE = "createdb --owner={user} --encoding=UTF8 --template=template0 {database}"
 LOGIN = (
     "Write the password of {user} into ~/.pgpass (HOST:PORT:DATABASE:USER:PASSWORD, chmod 600) or "
@@ -37,7 +37,7 @@ ADVICE: Mapping[str, str] = {
     "too many": ROOM,
     "connection slots are reserved": ROOM,
 }
-"""What to do, by what a PostgreSQL says."""
+"""What to do, by the words of PostgreSQL."""
 
 
 def unusable(url: URL, error: SQLAlchemyError) -> str:
@@ -52,12 +52,12 @@ def unusable(url: URL, error: SQLAlchemyError) -> str:
 
 
 def reason_of(error: SQLAlchemyError) -> str:
-    """Return what the database says, in one line."""
+    """Return the message of the database, in one line."""
     return str(getattr(error, "orig", error)).strip().splitlines()[0]
 
 
 def advice(url: URL, error: SQLAlchemyError) -> str | None:
-    """Return what to do about a PostgreSQL that cannot be opened; None where nobody knows."""
+    """Return what to do about a PostgreSQL that cannot be opened; None if that is not known."""
     named = {"user": url.username or "the user", "database": url.database or url.username}
     said = str(getattr(error, "orig", error))
     found = (text for words, text in ADVICE.items() if words.format(**named) in said)
@@ -86,7 +86,7 @@ def refuse_unfit(connection: Any, *_: object) -> None:
     if found:
         text = (
             f"the database {info.dbname} has {' and '.join(found)}, where the service needs "
-            f"{', and '.join(expected)}; take what the old one holds along with pg_dump"
+            f"{', and '.join(expected)}; move the data of the old one with pg_dump"
         )
         connection.close()
         raise UnfitServerError(text)

@@ -2,7 +2,7 @@
 
 Units of work queue up while a commit is under way and are committed together by the next one
 (group commit), each inside its own savepoint: a unit that refuses is rolled back alone. A unit's
-result is given out after the commit that makes it durable, never before. A commit whose answer was
+result is returned after the commit that makes it durable, never before. A commit whose answer was
 lost with the connection is neither repeated nor forgotten: the name of the latest commit is written
 in the same transaction (the table `last_commit`), so it tells whether that commit happened.
 """
@@ -71,7 +71,7 @@ class Writer:
             self._commit(group)
 
     def _commit(self, pending: list[Pending]) -> None:
-        """Commit a group. Where the database itself failed one unit, each goes alone.
+        """Commit a group. If the database itself failed one unit, each unit is committed alone.
 
         A database error can end the whole transaction (SQLite rolls it back when the disk is
         full), so nothing may be kept of the group: not the units before it either.
@@ -99,8 +99,8 @@ class _Group:
     """Units that are committed together.
 
     `commit` can be called again after the connection was lost: the group's name tells whether the
-    commit under way then has happened. No older one still can, for whoever holds the writer's
-    connection holds it alone.
+    commit that was under way has happened. No older commit still can, since the writer's connection
+    has a single holder.
     """
 
     def __init__(self, pending: Sequence[Pending]) -> None:
@@ -127,7 +127,7 @@ def _name_commit(connection: Connection, name: str) -> None:
 
 
 def _attempt(connection: Connection, unit: Unit) -> tuple[Any, Exception | None]:
-    """Run one unit in its savepoint. What it raises is given back; database errors go on up.
+    """Run one unit in its savepoint. Return what it raises; raise database errors.
 
     After a database error the savepoint may be gone: the whole transaction is rolled back then.
     """

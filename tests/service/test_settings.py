@@ -171,5 +171,5 @@ def test_whatever_the_directory_is_called(tmp_path: Path, name: str) -> None:
 
 @pytest.mark.parametrize("text", ["d3pg", "mysql://lab/d3pg", "://", "/data/d3pg.sqlite"])
 def test_what_is_no_database_is_refused(text: str) -> None:
-    with pytest.raises(ValidationError, match="a database is named as postgresql://"):
+    with pytest.raises(ValidationError, match="write postgresql://"):
         Settings(database_url=text)

@@ -28,7 +28,7 @@ def test_a_lost_connection_is_told_and_caught_up(
     expect(rows).to_have_count(5)
 
     live.start()
-    expect(banner).to_contain_text("Connected again. Everything since")
+    expect(banner).to_contain_text("Connected again. The page shows all changes since")
     expect(rows).to_have_count(15)
     expect(signed_in.locator("#connection")).to_have_text("Live")
     expect(banner).to_be_hidden()
@@ -153,7 +153,7 @@ def test_a_changed_token_is_told_with_a_way_to_sign_in(
     expect(signed_in.get_by_role("heading", level=1)).to_have_text("Not signed in")
     signed_in.get_by_label("Token").fill("not the token")
     signed_in.get_by_role("button", name="Sign in").click()
-    expect(signed_in.locator("main")).to_contain_text("not (or no longer) valid")
+    expect(signed_in.locator("main")).to_contain_text("This token is not valid, or not any more")
     signed_in.get_by_label("Token").fill(TOKEN)
     signed_in.get_by_role("button", name="Sign in").click()
     expect(signed_in.get_by_role("heading", level=1)).to_have_text("first look")

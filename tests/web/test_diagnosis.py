@@ -88,7 +88,7 @@ def test_before_the_end_it_cannot_be_asked_for(signed_in: Page, live: LiveServic
     live.train(0, 1600)
     for path in (f"/runs/{sweep.id}-0", f"/sweeps/{sweep.id}"):
         signed_in.goto(live.url + path)
-        expect(section(signed_in)).to_contain_text("when a run has reached its end")
+        expect(section(signed_in)).to_contain_text("needs a run that has reached its end")
         expect(section(signed_in).get_by_role("button")).to_have_count(0)
     live.train(1600, 20_000)
     expect(section(signed_in).get_by_role("button", name="Diagnose")).to_be_visible()

@@ -53,7 +53,7 @@ def test_what_cannot_be_added_says_why(
     expect(signed_in.get_by_role("button", name="Add them")).to_be_disabled()
     signed_in.get_by_role("radio", name="timesteps", exact=True).check()
     signed_in.get_by_label("Timesteps of each run").fill("800")
-    expect(form).to_contain_text("is not more than the 20000 of its runs")
+    expect(form).to_contain_text("must be more than the 20000 of its runs")
     assert all("422" in complaint for complaint in complaints)
     complaints.clear()
     signed_in.get_by_label("Timesteps of each run").fill("40000")

@@ -50,14 +50,14 @@ def test_a_sweep_is_shared_from_its_page(
     rows = stranger.get_by_role("figure", name="Pendulum").locator("tbody tr")
     expect(rows).to_have_count(10)
     expect(stranger.get_by_role("navigation", name="Pages")).to_have_text(
-        "Shared with you, to read"
+        "Shared with you, read only"
     )
     for name in ("Cancel sweep", "Name and notes", "Share", "Diagnose"):
         expect(stranger.get_by_role("button", name=name)).to_have_count(0)
     assert violations(stranger) == []
 
-    signed_in.get_by_role("button", name="Take it back").click()
-    expect(signed_in.locator("#share-state")).to_have_text("The link opens nothing any more.")
+    signed_in.get_by_role("button", name="Revoke").click()
+    expect(signed_in.locator("#share-state")).to_have_text("The link is revoked.")
     stranger.reload()
     expect(stranger.get_by_role("heading", level=1)).to_have_text("Not signed in")
     stranger.close()

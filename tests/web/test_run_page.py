@@ -126,7 +126,7 @@ def test_sweeps_are_compared(signed_in: Page, live: LiveService, sweep: Sweep) -
     differing = signed_in.locator("#differences .differs")
     expect(differing.filter(has_text="seeds")).to_have_text(re.compile(r"seeds\s*4\s*3"))
     expect(signed_in.locator("#differences")).not_to_contain_text("timesteps")
-    signed_in.get_by_label("those that agree too").check()
+    signed_in.get_by_label("show equal ones, too").check()
     expect(signed_in.locator("#differences")).to_contain_text("timesteps")
     assert violations(signed_in) == []
     signed_in.get_by_role("button", name="Remove second look").click()
@@ -153,7 +153,7 @@ def test_the_catalogue_shows_audits_and_settings(signed_in: Page, live: LiveServ
     card = signed_in.get_by_role("article").filter(
         has=signed_in.get_by_text("hybrid-ddpg", exact=True)
     )
-    parameters = signed_in.get_by_role("region", name="What may be given to environments")
+    parameters = signed_in.get_by_role("region", name="List of parameters")
     expect(parameters).to_contain_text(re.compile(r"Pendulum\s*gravity\s*10 m/s\^2\s*0 to 100"))
     expect(parameters.get_by_text("every environment")).to_have_count(2)
     card.get_by_text("Presets").click()
@@ -228,7 +228,7 @@ def test_the_score_comes_first_and_the_sweep_has_its_name(
     expect(signed_in.get_by_role("link", name="morning coffee")).to_be_visible()
     figures = signed_in.locator("#key-figures")
     expect(figures.locator("dt").first).to_have_text("Score, normalised")
-    expect(figures).to_contain_text("not at its end")
+    expect(figures).to_contain_text("end not reached")
     expect(figures).to_contain_text("Processor time of training")
     live.train(4000, 20_000)
     expect(figures.locator("dd").first).to_contain_text("0.")

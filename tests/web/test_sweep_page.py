@@ -271,7 +271,7 @@ def test_the_papers_figures_are_drawn_when_opened(
 ) -> None:
     figures = opened.locator("#paper-figures")
     expect(figures.locator("img")).to_have_count(0)
-    figures.get_by_text("The paper’s figures, of these runs").click()
+    figures.get_by_text("The paper’s figures, from these runs").click()
     expect(figures.locator("figcaption")).to_have_text([re.compile("Figure 2"), re.compile("4")])
     assert state(opened) == {"figures": ["1"]}
     link = opened.get_by_role("link", name="Figure 4 as PDF")

@@ -112,7 +112,7 @@ def test_sweeps_are_found_by_words_tags_learners_and_tasks(
         signed_in.get_by_role("button", name="Reset view").click()
         expect(rows).to_have_count(2)
     signed_in.get_by_label("Find sweeps").fill("nothing like it")
-    expect(signed_in.get_by_text("No sweep is like that.")).to_be_visible()
+    expect(signed_in.get_by_text("No sweep matches.")).to_be_visible()
     expect(signed_in.get_by_role("heading", name="No sweeps yet")).to_be_hidden()
 
 

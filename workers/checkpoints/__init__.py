@@ -1,1 +1,1 @@
-"""Checkpoints: where runs are left, and taken up again."""
+"""Checkpoints: where runs are left and resumed."""

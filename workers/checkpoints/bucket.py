@@ -1,10 +1,10 @@
-"""A bucket of a store that speaks S3, asked through fsspec; what goes wrong is told in words.
+"""A bucket of an S3 store, accessed through fsspec; errors are told in words.
 
 Credentials and endpoint come from where AWS's tools look for them (AWS_ACCESS_KEY_ID,
 AWS_SECRET_ACCESS_KEY, AWS_ENDPOINT_URL and so on) and are in no message.
 
 Training waits while a checkpoint is written, so a store that does not answer is given up after some
-ten seconds, and for `SILENCE_SECONDS` afterwards whoever else asks is told so at once.
+ten seconds, and other requests in the `SILENCE_SECONDS` afterwards fail at once.
 """
 
 import errno
@@ -20,9 +20,9 @@ from workers.checkpoints.folder import UnavailableError, UnreachableError
 SCHEME = "s3://"
 SILENCE_SECONDS = 5.0
 AT_ONCE = 16
-"""Requests of one folder that are under way together."""
+"""Concurrent requests of one folder."""
 LARGEST_PUT = 5 * 2**30
-"""Bytes, of S3; a larger object would be put in parts."""
+"""Limit of S3 in bytes; a larger object would be put in parts."""
 OPTIONS = {
     "use_listings_cache": False,
     "max_concurrency": 1,
@@ -50,7 +50,7 @@ class Bucket:
     """Objects below one prefix. Safe from any thread; every method raises OSError."""
 
     def __init__(self, url: str) -> None:
-        """Ask for nothing yet. The URL is `s3://bucket` or `s3://bucket/prefix`."""
+        """Request nothing yet. The URL is `s3://bucket` or `s3://bucket/prefix`."""
         self._url = url
         self._root = url.removeprefix(SCHEME)
         self._refusal = ""
@@ -66,12 +66,12 @@ class Bucket:
         return self._ask_each(lambda s3, path: s3.cat_file(path), keys)
 
     def keys(self, beginning: str) -> list[str]:
-        """The keys that begin so, in their order."""
+        """The keys that begin with a text, in order."""
         paths: list[str] = self._ask(lambda s3: s3.find(self._root, prefix=beginning))
         return [path.removeprefix(f"{self._root}/") for path in paths]
 
     def sizes(self, beginning: str) -> dict[str, int]:
-        """The sizes in bytes of the objects whose keys begin so, by key."""
+        """The sizes in bytes of the objects whose keys begin with a text, by key."""
         found = self._ask(lambda s3: s3.find(self._root, prefix=beginning, detail=True))
         return {
             path.removeprefix(f"{self._root}/"): int(about["size"]) for path, about in found.items()
@@ -121,8 +121,8 @@ class Bucket:
         if kinds & SILENT:
             return UnreachableError(
                 errno.EHOSTUNREACH,
-                f"{self._url} does not answer ({type(error).__name__}): is the store up, "
-                "AWS_ENDPOINT_URL right, and its host reachable from here?",
+                f"{self._url} does not answer ({type(error).__name__}): check that the "
+                "store is up, AWS_ENDPOINT_URL is right, and its host is reachable from here",
             )
         if isinstance(error, ImportError):
             return UnavailableError(
@@ -130,7 +130,7 @@ class Bucket:
             )
         return UnavailableError(
             errno.EIO,
-            f"{self._url} cannot be asked ({type(error).__name__}): see D3PG_CHECKPOINTS and "
+            f"{self._url} cannot be used ({type(error).__name__}): check D3PG_CHECKPOINTS and "
             "AWS_ENDPOINT_URL, a URL such as https://s3.example.org",
         )
 
@@ -156,5 +156,5 @@ class Bucket:
                 errno.EAGAIN, f"the store of {self._url} is in trouble or busy ({code or status})"
             )
         return UnavailableError(
-            errno.EIO, f"the store of {self._url} refuses what it was asked ({code or status})"
+            errno.EIO, f"the store of {self._url} refuses the request ({code or status})"
         )

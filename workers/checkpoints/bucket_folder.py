@@ -3,9 +3,9 @@
     <run id>/<name>                 a file that was written
              <name>/<start>-<stop>  a piece that was appended to a file: which of its bytes
 
-So a journal is as many objects as it has pieces. Of two tries at one place the later one has more
-to write and so another stop: no key ever stands for two contents, and the pieces that count are
-found from the end of what was asked for.
+So a journal has one object for each piece. Of two tries at one place, the later one has more to
+write and so another stop: no key ever has two contents, and the valid pieces are found backwards
+from the requested end.
 """
 
 import errno
@@ -21,7 +21,7 @@ class BucketFolder:
     """A Folder (see workers/checkpoints/folder.py)."""
 
     def __init__(self, bucket: Bucket, name: str) -> None:
-        """Ask for nothing yet."""
+        """Request nothing yet."""
         self._bucket = bucket
         self._name = name
 
@@ -52,7 +52,7 @@ class BucketFolder:
         return b"".join(self._bucket.get(keys[::-1]))
 
     def names(self) -> list[str]:
-        """The files there are, each once, however many pieces it has."""
+        """The files, each once, whatever the number of its pieces."""
         return list(dict.fromkeys(map(self._file_of, self._bucket.keys(f"{self._name}/"))))
 
     def size(self, name: str) -> int:

@@ -1,8 +1,8 @@
-"""Checkpoints of a run: where a worker leaves it, so that another takes it up to the same bits.
+"""Checkpoints of a run: where a worker leaves it, so that another resumes it with the same bits.
 
     <place>/<run id>/2-4800.checkpoint  attempt 2 at timestep 4800: its manifest, a line feed,
                                         the state that the next bits depend on
-                     2.journal          what attempt 2 lived through (workers.checkpoints.journal)
+                     2.journal          the experience of attempt 2 (workers.checkpoints.journal)
                      policy             what was learned (algorithms.snapshot)
                      policy-epoch-10    and as of an epoch that figure 2 shows
 
@@ -12,9 +12,9 @@ digests, so what can be read is whole. The last two are kept; where the newest i
 before serves. A worker that was given up may go on writing for a while: it writes under its own
 attempt's number and removes nothing of later ones.
 
-Which checkpoint serves: one of the same spec, made by the same code. One from another machine or
-other libraries serves too, but the run's bits are then of two kinds, and it is marked so. One of
-other code does not: nobody knows what that code would make of it.
+A checkpoint serves if it has the same spec and was made by the same code. A checkpoint of another
+machine or other libraries serves, too, but the run then has bits of two kinds and is marked so. A
+checkpoint of other code does not serve: this code may read it differently.
 """
 
 from collections.abc import Mapping, Sequence
@@ -49,13 +49,13 @@ ANEW = "begun again from step 0"
 
 @dataclass(frozen=True)
 class Found:
-    """Where a run is taken up.
+    """Where a run is resumed.
 
-    timestep      0 where it begins anew
-    saved         None there
+    timestep      0 if it starts again
+    saved         None in that case
     measurements  all up to there
     mixed_with    how the machines that trained it so far differ from this one
-    note          what there is to say about it, a sentence; mostly empty
+    note          a remark, a sentence; mostly empty
     """
 
     timestep: int = 0
@@ -71,7 +71,7 @@ class Checkpoints:
     def __init__(
         self, place: Place, assignment: Assignment, fingerprint: Mapping[str, Any]
     ) -> None:
-        """Read and write nothing yet. Raises ValueError for a name that is none."""
+        """Read and write nothing yet. Raises ValueError for an invalid name."""
         self._folder = folder_in(place, assignment.run_id)
         self._attempt = assignment.attempt
         self._journal = Journal(self._folder, f"{assignment.attempt}.journal")
@@ -90,7 +90,7 @@ class Checkpoints:
         try:
             return answered(self._find, patience)
         except OSError as trouble:
-            note = f"no checkpoint could be looked for ({trouble.strerror}), {ANEW}"
+            note = f"checkpoints could not be listed ({trouble.strerror}), {ANEW}"
             return Found(note=note)
 
     def _find(self) -> Found:
@@ -134,10 +134,10 @@ class Checkpoints:
             self._remove_what_is_not_kept()
 
     def save_end(self, learner: Learner, measurements: Sequence[Measurement]) -> bool:
-        """Write a last checkpoint, if a longer run could be taken up there; return whether.
+        """Write a last checkpoint, if a longer run could be resumed there; return whether.
 
-        Not so off the grid of measurements, where only the end of the run was measured. Raises
-        OSError.
+        This is not possible off the grid of measurements, where only the end of the run was
+        measured. Raises OSError.
         """
         is_start = self._can_go_on and learner.timestep % MEASURE_EVERY == 0
         if is_start:
@@ -145,11 +145,11 @@ class Checkpoints:
         return is_start
 
     def save_policy(self, learner: Learner) -> None:
-        """Write what has been learned, where there is such a thing. Raises OSError."""
+        """Write what has been learned, if there is anything. Raises OSError."""
         self._save_snapshot(POLICY, learner)
 
     def save_epoch(self, learner: Learner) -> None:
-        """Keep the critic where an epoch ends that figure 2 shows. Raises OSError."""
+        """Keep the critic at the end of an epoch that figure 2 shows. Raises OSError."""
         epoch, steps_left = divmod(learner.timestep, MEASURE_EVERY)
         if self._task == SURFACE_TASK and epoch in EPOCHS and not steps_left:
             self._save_snapshot(epoch_file(epoch), learner)
@@ -184,7 +184,7 @@ class Checkpoints:
         return _joined([p for each in manifest.journal for p in pieces(self._folder, each)])
 
     def _remove_what_is_not_kept(self) -> None:
-        """Remove what the last two checkpoints do not need, but nothing of later attempts."""
+        """Remove files that the last two checkpoints do not need, but none of later attempts."""
         journals = [*self._earlier, *self._journal.so_far()]
         needed = {*self._kept, *(each.file for each in journals)}
 
@@ -196,7 +196,7 @@ class Checkpoints:
 
 
 def find_snapshot(place: Place, run_id: str) -> Snapshot | None:
-    """What a run has learned, as of its last checkpoint or its end; None where there is nothing.
+    """What a run has learned, as of its last checkpoint or its end; None if there is nothing.
 
     Raises ValueError for a name that is none, DamagedError, OSError.
     """
@@ -205,7 +205,7 @@ def find_snapshot(place: Place, run_id: str) -> Snapshot | None:
 
 
 def find_epochs(place: Place, run_id: str) -> dict[int, Snapshot]:
-    """What a run had learned by the epochs that figure 2 shows, of those it has come to.
+    """What a run had learned by the epochs that figure 2 shows, as far as it has reached them.
 
     Raises ValueError for a name that is none, DamagedError, OSError.
     """

@@ -1,4 +1,4 @@
-"""The files that checkpoints are, and which of them are removed when a run has ended.
+"""The files of checkpoints, and which of them are removed when a run has ended.
 
 What was learned stays: at the end, and on MassPoint as of the epochs that figure 2 shows. An epoch
 is the time between two measurements.

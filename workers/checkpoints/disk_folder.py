@@ -1,7 +1,7 @@
 """A folder on a disk or a shared mount.
 
-A file is written under another name, brought to the disk, and then renamed, so that its name never
-stands for half of it, whenever the power goes.
+A file is written under another name, flushed to the disk, and then renamed, so that its name never
+refers to half of it, even after a power cut.
 """
 
 import os
@@ -18,7 +18,7 @@ class DiskFolder:
         self._path = path
 
     def write(self, name: str, content: bytes) -> None:
-        """Make or replace a file. Leaves nothing behind where that fails."""
+        """Make or replace a file. Leaves nothing behind if that fails."""
         self._make()
         unfinished = self._path / f"{name}.unfinished"
         try:

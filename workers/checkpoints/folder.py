@@ -1,4 +1,4 @@
-"""A folder: the files of one run, on a disk or in a bucket, and all that is asked of either.
+"""A folder: the files of one run, on a disk or in a bucket, and the operations on both.
 
 Every method raises OSError, whose `strerror` says in words what was wrong.
 """
@@ -8,7 +8,7 @@ from typing import Protocol
 
 
 class UnavailableError(OSError):
-    """The place where the files lie cannot be had until somebody does what `strerror` says."""
+    """The place of the files is unavailable until somebody does what `strerror` says."""
 
 
 class UnreachableError(UnavailableError):
@@ -16,16 +16,16 @@ class UnreachableError(UnavailableError):
 
 
 class Folder(Protocol):
-    """The files of one run. It is made by the first that is written."""
+    """The files of one run. The first file that is written makes the folder."""
 
     def write(self, name: str, content: bytes) -> None:
-        """Make or replace a file: whole or not at all, and to stay once this has returned."""
+        """Make or replace a file, completely or not at all; it is durable once this returns."""
 
     def append(self, name: str, size: int, piece: bytes) -> None:
-        """Make a file its first `size` bytes and this piece, to stay once this has returned.
+        """Make a file its first `size` bytes and this piece; it is durable once this returns.
 
-        What lay beyond `size` is of a try that failed. Where this one fails, those bytes are as
-        they were.
+        Bytes beyond `size` are from a failed try. If this try fails, the first bytes are as they
+        were.
         """
 
     def read(self, name: str) -> bytes:
@@ -35,7 +35,7 @@ class Folder(Protocol):
         """Read the first `size` bytes of a file that was appended to. Raises FileNotFoundError."""
 
     def names(self) -> list[str]:
-        """The files there are, in no order."""
+        """The names of the files, in no order."""
 
     def size(self, name: str) -> int:
         """Bytes of a file, with all that was appended to it; 0 where it is missing."""

@@ -1,10 +1,10 @@
-"""Journal: what a run has lived through, in one file an attempt that only grows.
+"""Journal: the experience of a run, in one file an attempt that only grows.
 
     per piece: its length (8 bytes, little-endian), its arrays (`sealed_file.packed`)
 
-Whoever refers to it says how much of the file he means, and the SHA-256 of that much. So a piece
-that was cut short, or that nobody came to refer to, does no harm, and a file that a worker still
-appends to can be read by its successor.
+A reference to it has the number of bytes that it means, and their SHA-256. So a piece that was cut
+short, or that has no reference, does no harm, and a successor can read a file to which a worker
+still appends.
 """
 
 import hashlib
@@ -20,7 +20,7 @@ LENGTH_SIZE = 8
 
 @dataclass(frozen=True)
 class Beginning:
-    """So many bytes of a journal's file, and the digest they must have."""
+    """The first bytes of a journal's file: how many, and their digest."""
 
     file: str
     size: int
@@ -28,7 +28,7 @@ class Beginning:
 
 
 class Journal:
-    """The journal of one attempt, which nobody else writes to."""
+    """The journal of one attempt, which has no other writer."""
 
     def __init__(self, folder: Folder, name: str) -> None:
         """Write nothing yet."""
@@ -38,7 +38,7 @@ class Journal:
         self._hash = hashlib.sha256()
 
     def append(self, arrays: State) -> None:
-        """Append a piece. Raises OSError; it is as before then."""
+        """Append a piece. Raises OSError, with the journal unchanged."""
         payload = packed(arrays)
         piece = len(payload).to_bytes(LENGTH_SIZE, "little") + payload
         self._folder.append(self._name, self._size, piece)
@@ -46,7 +46,7 @@ class Journal:
         self._hash.update(piece)
 
     def so_far(self) -> list[Beginning]:
-        """All of it, to refer to; nothing while it is empty."""
+        """A reference to all of it; nothing while it is empty."""
         whole = Beginning(self._name, self._size, self._hash.hexdigest())
         return [whole] if self._size else []
 

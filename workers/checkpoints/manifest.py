@@ -1,4 +1,4 @@
-"""The manifest of a checkpoint: what it is of, and which journals belong to it."""
+"""The manifest of a checkpoint: its run, and which journals belong to it."""
 
 import hashlib
 import json
@@ -59,7 +59,7 @@ class Manifest:
 
 
 def spec_digest(spec: RunSpec) -> str:
-    """The SHA-256 of a spec; where its run can go on, whatever its timesteps."""
+    """The SHA-256 of a spec; without its timesteps if the run can go on."""
     fields = spec.to_json()
     if can_go_on(spec):
         del fields["timesteps"]

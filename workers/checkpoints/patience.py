@@ -1,4 +1,4 @@
-"""Patience: asking a place again that does not answer."""
+"""Patience: repeated requests to a place that does not answer."""
 
 from collections.abc import Callable
 from typing import TypeVar
@@ -6,17 +6,17 @@ from typing import TypeVar
 from workers.checkpoints.folder import UnreachableError
 
 Patience = Callable[[], bool]
-"""Waits a little, and says whether to ask once more."""
+"""Waits a little, and returns whether to try once more."""
 T = TypeVar("T")
 
 
 def without_patience() -> bool:
-    """Ask once only."""
+    """Try only once."""
     return False
 
 
 def answered(ask: Callable[[], T], patience: Patience) -> T:
-    """What it answers in the end. Raises UnreachableError when there is no patience left."""
+    """Return the answer. Raises UnreachableError when there is no patience left."""
     while True:
         try:
             return ask()

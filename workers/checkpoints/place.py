@@ -1,4 +1,4 @@
-"""Where the folders of the runs lie: a folder of the disk or of a shared mount, or a bucket."""
+"""Where the folders of runs are: a folder of the disk or of a shared mount, or a bucket."""
 
 import re
 from functools import cache
@@ -16,7 +16,7 @@ BUCKET = re.compile(r"s3://[a-z0-9][a-z0-9.-]{1,61}[a-z0-9](/[\w!.'()-]+)*", re.
 
 
 def place_of(text: str) -> Place:
-    """The place that an operator names. Raises ValueError for what is none."""
+    """The place that an operator names. Raises ValueError for anything else."""
     scheme, separator, rest = text.partition("://")
     if not separator:
         return Path(text).absolute()
@@ -35,9 +35,9 @@ def place_of(text: str) -> Place:
 
 
 def folder_in(place: Place, run_id: str) -> Folder:
-    """The folder of a run. Raises ValueError for a name that is none."""
+    """The folder of a run. Raises ValueError for an invalid name."""
     if not re.fullmatch(r"[\w-]+", run_id, re.ASCII):
-        raise ValueError(f"a run's name is no path, got {run_id!r}")
+        raise ValueError(f"the name of a run must not be a path, got {run_id!r}")
     if isinstance(place, str) and place.startswith(SCHEME):
         return BucketFolder(_bucket(place), run_id)
     return DiskFolder(Path(place) / run_id)
@@ -45,5 +45,5 @@ def folder_in(place: Place, run_id: str) -> Folder:
 
 @cache
 def _bucket(url: str) -> Bucket:
-    """One of each in a process, so that all know when it does not answer."""
+    """One of each in a process, so that all users know when it does not answer."""
     return Bucket(url)

@@ -1,8 +1,8 @@
-"""Sealed files: written whole or not at all, and known to be what was written when they are read.
+"""Sealed files: written completely or not at all, and verified when they are read.
 
     SHA-256 of the payload in hexadecimal, a line feed, the payload
 
-The folder sees to the first, the digest to the second. Payloads are text or arrays (`numpy.savez`,
+The folder ensures the first, the digest the second. Payloads are text or arrays (`numpy.savez`,
 which takes no objects: nothing is ever unpickled).
 """
 
@@ -20,7 +20,7 @@ DIGEST_SIZE = 64
 
 
 class DamagedError(ValueError):
-    """A file is not what was written; its text says how it can be told."""
+    """A file differs from what was written; the text says how."""
 
 
 def write(folder: Folder, name: str, payload: bytes) -> None:
@@ -41,7 +41,7 @@ def read(folder: Folder, name: str) -> bytes:
 
 @contextmanager
 def read_damage(name: str) -> Iterator[None]:
-    """Raise DamagedError where a file that is being read is missing or the disk fails."""
+    """Raise DamagedError if a file that is being read is missing or the disk fails."""
     try:
         yield
     except UnavailableError:
@@ -60,9 +60,9 @@ def packed(arrays: State) -> bytes:
 
 
 def unpacked(payload: bytes) -> State:
-    """The arrays of a payload. Raises DamagedError for what is none, pickles above all."""
+    """The arrays of a payload. Raises DamagedError for anything else, above all pickles."""
     try:
         with np.load(io.BytesIO(payload), allow_pickle=False) as file:
             return {name: file[name] for name in file.files}
     except Exception as error:  # what readers of archives raise is no closed set
-        raise DamagedError(f"no arrays but something else, refused: {error}") from error
+        raise DamagedError(f"not arrays, refused: {error}") from error

@@ -1,9 +1,9 @@
 """Workers as Ray actors.
 
 A slot keeps one actor warm and gives it one piece of work after the other; when the actor dies it
-makes another. Ray repeats nothing by itself (`max_restarts=0`, `max_task_retries=0`): what is to
-be done again is decided by the one who keeps the record. Messages leave an actor as text, so that
-nothing of ours is unpickled here.
+makes another. Ray repeats nothing by itself (`max_restarts=0`, `max_task_retries=0`): the keeper of
+the record decides what to repeat. Messages leave an actor as text, so that nothing of ours is
+unpickled here.
 """
 
 import itertools
@@ -31,20 +31,20 @@ from workers.training.execute import execute
 from workers.training.narrator import Narrator
 
 UNREAD_LIMIT = 2
-"""Progresses that may wait for the driver; then the actor's stream waits."""
+"""Number of progresses that may wait for the driver before the actor's stream waits."""
 IDLE_CHECK_SECONDS = 5.0
 LONGEST_PAUSE_SECONDS = 30.0
 EXIT_ABANDONED = 75
 REPORTS_A_LOG = 2
-"""What was printed is told with every second report, for every run of the cohort has it."""
+"""Output is sent with every second report, since it is stored with every run of the cohort."""
 WORKER_SECONDS = 3600.0
-"""A worker that is older ends with its cohort, and another comes: what may have leaked is freed."""
+"""An older worker ends with its cohort and is replaced, which frees leaked memory."""
 
 Send = Callable[[str], None]
 
 
 class Worker:
-    """What runs in a worker's process. Calls to `drop` arrive while `train` streams."""
+    """The actor in a worker's process. Calls to `drop` arrive while `train` streams."""
 
     def __init__(self, name: str, log_path: str, checkpoints: str) -> None:
         """Send all output of the process to the log file, a crash's stack too."""
@@ -56,7 +56,7 @@ class Worker:
         self._dropped: set[int] = set()
 
     def describe(self) -> tuple[int, str]:
-        """Return this process's id and host; also how one sees that it lives."""
+        """Return this process's id and host, which also shows that it is alive."""
         return os.getpid(), socket.gethostname()
 
     def train(self, document: dict[str, Any]) -> Iterator[str]:
@@ -87,13 +87,13 @@ class Worker:
             yield to_line(Ended(self._name, cohort))
 
     def drop(self, cohort: str, seeds: Collection[int]) -> None:
-        """Train these seeds no further; a word about an earlier cohort comes too late."""
+        """Stop training these seeds; a call for an earlier cohort has no effect."""
         if cohort == self._cohort:
             self._dropped |= set(seeds)
 
 
 def _leave() -> None:
-    """End this process: nobody listens any more."""
+    """End this process, since the driver has gone."""
     os._exit(EXIT_ABANDONED)
 
 
@@ -128,7 +128,7 @@ class ActorSlot:
 
     @property
     def idle_seconds(self) -> float:
-        """For how long it has had nothing to do; also while its worker is coming up."""
+        """How long it has been idle, the start of its worker included."""
         since = self._idle_since
         return 0.0 if since is None else time.monotonic() - since
 
@@ -147,11 +147,11 @@ class ActorSlot:
             ray.kill(self._actor)
 
     def close(self) -> None:
-        """Make no other actor after this one."""
+        """Make no new actor after this one."""
         self._is_closing = True
 
     def retire(self) -> None:
-        """End the worker, which is idle; one that has not come up yet is given up."""
+        """End the worker, which is idle; a worker that has not started yet is given up."""
         self.close()
         self._work.put(None)
         if not self._is_up:
@@ -176,7 +176,7 @@ class ActorSlot:
             pause = 0.0 if lived_long else min(2 * pause + 1, LONGEST_PAUSE_SECONDS)
 
     def _make_actor(self, log_path: Path) -> Any:
-        """Begin to make one on the node; where that is dead, its first call raises."""
+        """Begin to make an actor on the node; if the node is dead, the first call raises."""
         actor_class = RemoteWorker.options(
             num_cpus=1,
             memory=self._terms.worker_bytes or None,
@@ -188,7 +188,7 @@ class ActorSlot:
         return actor_class.remote(self.worker, str(log_path), self._terms.checkpoints)
 
     def _serve(self) -> None:
-        """Do work until the worker is retired, or too old, or lost: then ray's error is raised."""
+        """Do work until the worker is retired, too old, or lost; the latter raises Ray's error."""
         begun = time.monotonic()
         pid, host = ray.get(self._actor.describe.remote())
         self._is_up = True
@@ -218,7 +218,7 @@ class ActorSlot:
 
 
 def _reason(error: Exception) -> str:
-    """Return Ray's first line about a loss, which says what was lost and how."""
+    """Return the first line of Ray's message on a loss, which says what was lost and how."""
     if isinstance(error, ray.exceptions.OutOfMemoryError):
         return "its worker was ended because the machine ran out of memory"
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]

@@ -1,9 +1,9 @@
-"""All slots of a cluster, which follow its nodes and the work; obeys one service after the other.
+"""All slots of a cluster, which follow its nodes and the work; serves one service at a time.
 
-A slot is a core of a node, and goes with it; a node that comes back is another one to Ray, and so
-it is here. There are as many slots as the service says there is work for, within bounds: the
-cluster's autoscaler is asked for what is missing, and what has long been idle is retired, so that
-its node can be given back.
+A slot is a core of a node, and ends with it; a node that comes back is a new one to Ray, and here.
+There are as many slots as there is work for, as the service says, within bounds. The cluster's
+autoscaler is asked for missing slots, and slots that have long been idle are retired, so that their
+node can be given back.
 """
 
 import json
@@ -22,9 +22,9 @@ from workers.messages.report import Capacity, to_line
 from workers.messages.work import Work
 
 LOOK_SECONDS = 2.0
-"""Between two looks at the cluster's nodes."""
+"""Time between two looks at the cluster's nodes."""
 IDLE_SECONDS = 300.0
-"""How long a worker that nothing is there for is kept warm; bringing one up takes a few seconds."""
+"""How long an idle worker is kept warm; starting one takes a few seconds."""
 
 
 class Slot(Protocol):
@@ -32,27 +32,27 @@ class Slot(Protocol):
 
     @property
     def node(self) -> str:
-        """The node that it is on."""
+        """The node of the slot."""
 
     @property
     def worker(self) -> str:
-        """The name of its worker of now."""
+        """The name of its present worker."""
 
     @property
     def idle_seconds(self) -> float:
-        """For how long it has had nothing to do; also while its worker is coming up."""
+        """How long it has been idle, the start of its worker included."""
 
     def train(self, work: Work) -> None:
         """Give the worker a cohort."""
 
     def drop(self, seeds: Collection[int]) -> None:
-        """Have it train these seeds no further."""
+        """Stop the training of these seeds."""
 
     def kill(self) -> None:
         """End the worker's process."""
 
     def close(self) -> None:
-        """Make no other worker after this one."""
+        """Make no new worker after this one."""
 
     def retire(self) -> None:
         """End the worker, which is idle; Retired."""
@@ -62,17 +62,17 @@ class Cluster(Protocol):
     """What the pool asks of Ray."""
 
     def nodes(self) -> list[Node]:
-        """Those that live now."""
+        """The living nodes."""
 
     def make_slot(self, node: Node) -> Slot:
-        """Begin to bring a worker up there; its reports come by themselves."""
+        """Begin to start a worker there; its reports come by themselves."""
 
     def request(self, workers: int) -> None:
-        """Ask the autoscaler, if there is one, for a cluster that holds so many; 0: any."""
+        """Ask the autoscaler, if there is one, for a cluster with room for so many; 0: any."""
 
 
 class ActorPool:
-    """Slots, until a service closes the pool or none comes. `follow` runs on a thread beside."""
+    """Slots, until a service closes the pool or none connects. `follow` runs on its own thread."""
 
     def __init__(self, outbox: Outbox, cluster: Cluster, bounds: Bounds) -> None:
         """Make no slot yet."""
@@ -88,7 +88,7 @@ class ActorPool:
         self._awake = threading.Event()
 
     def serve(self, visits: Iterable[Visit]) -> None:
-        """Do what one service after the other says, until one closes the pool or none comes."""
+        """Serve one service after the other, until one closes the pool or none connects."""
         for visit in visits:
             with suppress(OSError, ValueError):  # cut off, perhaps within a line
                 for line in visit.lines:
@@ -102,9 +102,9 @@ class ActorPool:
                 slot.close()
 
     def follow(self) -> None:
-        """Have slots come and go with nodes and demand, until the pool is closed.
+        """Add and remove slots with nodes and demand, until the pool is closed.
 
-        What was asked of the autoscaler is taken back then.
+        The request to the autoscaler is withdrawn then.
         """
         while not self._closed.is_set():
             try:
@@ -117,7 +117,7 @@ class ActorPool:
             self._request(0)
 
     def demand(self, workers: int) -> None:
-        """There is work for so many workers."""
+        """Set for how many workers there is work."""
         self._demand = workers
         self._awake.set()
 
@@ -143,7 +143,7 @@ class ActorPool:
         return lost
 
     def _retire_idle(self, wanted: int) -> None:
-        """Retire what is idle and not wanted; first where it empties a node."""
+        """Retire idle slots that are not needed; first those that empty a node."""
         idle = [slot for slot in self._slots if slot.idle_seconds > IDLE_SECONDS]
         others = Counter(slot.node for slot in self._slots if slot not in idle)
         idle.sort(key=lambda slot: (others[slot.node], slot.node))

@@ -28,7 +28,7 @@ from workers.driver.terms import Terms
 OBJECT_STORE_BYTES = 80 * 2**20  # nearly Ray's least; progress is small and never stored
 JOIN_SECONDS = 20.0
 WITHDRAWAL_SECONDS = 1.0
-"""How long taking back what was asked of the autoscaler may hold up the end."""
+"""How long withdrawing the request to the autoscaler may delay the end."""
 START_SECONDS = 90.0  # on a busy machine; alone it takes 5 to 8
 
 
@@ -46,7 +46,7 @@ class RayCluster:
     def nodes(self) -> list[Node]:
         """Return the living ones with room for a worker.
 
-        Ends the process where the node that it is on is dead: no worker comes up any more then.
+        Ends the process if its own node is dead: then no worker can start any more.
         """
         found: list[dict[str, Any]] = ray.nodes()  # type: ignore[no-untyped-call]
         living = [node for node in found if node["Alive"]]
@@ -56,15 +56,15 @@ class RayCluster:
         return [node for node in nodes if node.room > 0]
 
     def make_slot(self, node: Node) -> ActorSlot:
-        """Begin to bring a worker up there."""
+        """Begin to start a worker there."""
         return ActorSlot(node, self._names, self._terms, self._logs, self._send)
 
     def request(self, workers: int) -> None:
-        """Ask the autoscaler of a joined cluster for one that holds so many; 0: any.
+        """Ask the autoscaler of a joined cluster for room for so many; 0: any.
 
-        Ray keeps to what was asked last, also after whoever asked has ended. Actors that wait to be
-        placed would ask it too, but each asks for a core beside those that are in use, is pinned to
-        a node here, and goes on asking where the work has been done by others meanwhile.
+        Ray keeps to the last request, even after the requesting process has ended. Actors that wait
+        for a place would request cores, too. But each requests one beside those in use, is pinned
+        to a node here, and repeats its request after others have done the work.
         """
         memory = self._terms.worker_bytes
         if self._terms.address:
@@ -73,7 +73,7 @@ class RayCluster:
 
 
 def drive(listener: socket.socket, settings: DriverSettings) -> None:
-    """Have a service say which cluster, join or make it, and obey who connects to the listener."""
+    """Let a service name the cluster, join or make it, and serve connections to the listener."""
     outbox = Outbox(settings.spool)
     reception = Reception(listener, outbox, waits_long=settings.stands_alone)
     terms = reception.first_terms()
@@ -108,14 +108,14 @@ def _connect(terms: Terms, scratch: str) -> None:
 
 
 def _give_up(complaint: str) -> None:
-    """End the process with the complaint as its last words."""
+    """End the process with the complaint as its last line."""
     print(complaint, file=sys.stderr, flush=True)  # noqa: T201
     os._exit(1)
 
 
 @contextmanager
 def _deadline(seconds: float, complaint: str) -> Iterator[None]:
-    """End the process, with the complaint as its last words, when the block takes longer.
+    """End the process, with the complaint as its last line, if the block takes longer.
 
     `ray.init` waits for ever for a cluster that does not answer, and cannot be interrupted.
     """

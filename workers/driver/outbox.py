@@ -1,9 +1,9 @@
 """Reports on their way to the service, kept until it says that they are recorded.
 
-Nothing that a worker said depends on whether somebody listens: what was not acknowledged is told
-again to whoever listens next, after a line for each worker that says what it was doing before.
-While nobody listens the lines are also written to a file (the spool), which is all that is left of
-them when this process ends as well: the next one tells them, with the loss of each worker.
+Reports do not depend on a listening service: reports that were not acknowledged are sent again to
+the next service, after a line for each worker that says what it was doing before. While no service
+listens, the lines are also written to a file (the spool). If this process ends, too, the next one
+sends the lines of the spool, with the loss of each worker.
 """
 
 import contextlib
@@ -16,7 +16,7 @@ from pathlib import Path
 from workers.messages.report import Lost, from_line, heading, to_line
 
 GREETING = "greeting"
-"""The first line of every connection: the pool is there and speaks."""
+"""The first line of every connection: the pool is ready."""
 
 
 class Roster:
@@ -65,7 +65,7 @@ class Outbox:
     """Takes lines from any thread and sends them on one of its own."""
 
     def __init__(self, spool: Path) -> None:
-        """Start the thread, with what an earlier process left to be told; nobody listens yet."""
+        """Start the thread, with the lines that an earlier process left; no service listens yet."""
         self._spool_path = spool
         self._spool: BufferedWriter | None = None
         self._lock = threading.Condition()
@@ -78,7 +78,7 @@ class Outbox:
         threading.Thread(target=self._send, name="outbox", daemon=True).start()
 
     def put(self, line: str) -> None:
-        """Send a report, now or when somebody listens."""
+        """Send a report, now or when a service listens."""
         with self._lock:
             self._told.take(line)
             self._unacknowledged.append(line)
@@ -88,7 +88,7 @@ class Outbox:
             self._lock.notify()
 
     def attach(self, channel: socket.socket) -> None:
-        """Tell the one at the other end everything that is not recorded, then what comes."""
+        """Send a service everything that is not recorded, then new reports."""
         with self._lock:
             introduction = self._recorded.lines
             self._introduction = len(introduction)
@@ -97,7 +97,7 @@ class Outbox:
             self._lock.notify()
 
     def detach(self) -> None:
-        """Nobody listens any more: from now on everything is on disk too."""
+        """No service listens any more: from now on, everything is on disk, too."""
         with self._lock:
             self._channel = None
             self._close_spool()
@@ -131,7 +131,7 @@ class Outbox:
                     channel.sendall(line.encode() + b"\n")
 
     def _write(self, line: str) -> None:
-        """Append to the spool. On a full disk the lines are in memory alone."""
+        """Append to the spool. On a full disk, the lines are only in memory."""
         with contextlib.suppress(OSError):
             if self._spool is None:
                 self._begin_spool()  # with this line
@@ -140,7 +140,7 @@ class Outbox:
                 self._spool.flush()
 
     def _begin_spool(self) -> None:
-        """Write all that is not recorded, in one: the spool there was holds it until then."""
+        """Write all that is not recorded, in one step: until then, the former spool holds it."""
         self._spool_path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         draft = self._spool_path.with_suffix(".unfinished")
         spool = draft.open("wb")
@@ -162,7 +162,7 @@ class Outbox:
 
 
 def lines_left_in(spool: Path) -> list[str]:
-    """Return what a process that is no more had to say, with the loss of each of its workers.
+    """Return the reports of a process that has ended, with the loss of each of its workers.
 
     The last line may have been cut off: a damaged line and all that follow it are left out.
     """

@@ -1,4 +1,4 @@
-"""Where workers may be: on cores and in memory of living nodes, as many as there is work for."""
+"""Placement of workers: on cores and memory of living nodes, as many as there is work for."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ def room(resources: Mapping[str, float], worker_bytes: int) -> int:
 class Bounds:
     """How many workers there may be.
 
-    least  are kept however little there is to do
+    least  are kept even if there is less work
     most   are never exceeded
     """
 
@@ -35,12 +35,12 @@ class Bounds:
     most: int
 
     def wanted(self, demand: int) -> int:
-        """How many there should be where there is work for so many."""
+        """How many there should be if there is work for so many."""
         return min(max(demand, self.least), self.most)
 
 
 def vacancies(nodes: Sequence[Node], slots: Mapping[str, int], wanted: int) -> list[Node]:
-    """Return the node of each slot that is to be made, given how many slots each node has.
+    """Return the node of each slot to make, given how many slots each node has.
 
     The fullest nodes come first, so that the others can be given back.
     """

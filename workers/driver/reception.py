@@ -1,4 +1,4 @@
-"""Where services come in, one after the other: all that are let in ask for the same."""
+"""Admission of services, one after the other: all of them have the same terms."""
 
 import math
 import socket
@@ -14,7 +14,7 @@ from workers.driver.settings import DriverSettings
 from workers.driver.terms import Terms, UnusableTermsError
 
 NO_SERVICE_SECONDS = 900.0
-"""How long workers train on while no service is there; then their checkpoints have to do."""
+"""How long workers train on without a service; after that, their checkpoints remain."""
 IDLE_NO_SERVICE_SECONDS = 30.0
 FIRST_WORD_SECONDS = 5.0
 LONGEST_TERMS = 65536
@@ -28,14 +28,14 @@ class Visit(NamedTuple):
 
 
 class OtherTermsError(Exception):
-    """A service asks for other workers than the one before it."""
+    """A service has other terms than the one before it."""
 
 
 class Reception:
-    """Lets services in: the first sets the terms, and one that has others ends the process."""
+    """Admits services: the first sets the terms, and one with other terms ends the process."""
 
     def __init__(self, listener: socket.socket, outbox: Outbox, *, waits_long: bool) -> None:
-        """Wait for nobody yet; `waits_long`: for the first as long as it takes."""
+        """Wait for no service yet; `waits_long`: wait for the first one without a limit."""
         listener.settimeout(1.0)
         self._listener = listener
         self._outbox = outbox
@@ -44,14 +44,14 @@ class Reception:
         self._first: Visit | None = None
 
     def first_terms(self) -> Terms | None:
-        """Wait for a service and return what it asks for; None where none comes."""
+        """Wait for a service and return its terms; None if none connects."""
         self._first = self._next(self._patience_at_first)
         return self._terms
 
     def visits(self) -> Iterator[Visit]:
-        """Yield one service after the other, until none comes for long or one asks for others.
+        """Yield one service after the other, until none connects for long or one has other terms.
 
-        Each is told all that is to be told until the next is asked for.
+        Each receives all reports until the next service is requested.
         """
         visit = self._first
         while visit is not None:
@@ -65,7 +65,7 @@ class Reception:
         return NO_SERVICE_SECONDS if self._outbox.is_busy else IDLE_NO_SERVICE_SECONDS
 
     def _next(self, patience: float) -> Visit | None:
-        """Wait so long for a service that can be let in."""
+        """Wait so long for a service that can be admitted."""
         deadline = time.monotonic() + patience
         while time.monotonic() < deadline:
             try:

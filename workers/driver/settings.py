@@ -1,4 +1,4 @@
-"""What the process that drives Ray is told as it is started: each setting is an argument."""
+"""Settings of the process that drives Ray: each is an argument of its start."""
 
 import argparse
 from collections.abc import Sequence
@@ -11,14 +11,14 @@ BINDS_ITSELF = -1
 
 @dataclass(frozen=True)
 class DriverSettings:
-    """Where the process listens and writes; what it is to do, a service tells it (`Terms`).
+    """Where the process listens and writes; a service tells it what to do (`Terms`).
 
     socket    Unix socket that services connect to
     logs      folder of the workers' logs
-    spool     file for reports that nobody has taken
+    spool     file for reports that no service has received
     scratch   folder for Ray's own files, removed at the end; names the process
-    listener  descriptor that listens there already; -1: the process stands by itself, binds the
-              socket and waits for services as long as it takes
+    listener  descriptor that listens there already; -1: the process is separate, binds the socket
+              and waits for services without a limit
     """
 
     socket: Path

@@ -1,4 +1,4 @@
-"""What a service asks of the process that drives Ray: the first thing that it says to it."""
+"""Terms of a service for the process that drives Ray: the first message that it sends."""
 
 import json
 from dataclasses import asdict, dataclass
@@ -9,7 +9,7 @@ from workers.messages.report import FORMAT
 
 
 class UnusableTermsError(ValueError):
-    """What was said first are no terms of this format; the text says why."""
+    """The first message does not have the form of terms; the text says why."""
 
 
 @dataclass(frozen=True)
@@ -17,7 +17,7 @@ class Terms:
     """Where the workers are and what they may take.
 
     address      cluster to join; empty: a local one, made and ended with the process
-    least, most  workers that are always kept, and at most
+    least, most  workers that are kept, at least and at most
     worker_bytes memory that each needs of its node; 0: any
     checkpoints  folder, as the workers see it, or s3://bucket/prefix
     """

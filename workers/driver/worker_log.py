@@ -1,4 +1,4 @@
-"""The log of a worker: what its process prints and logs, in a file that each cohort begins anew."""
+"""The log of a worker: what its process prints and logs, in a file that each cohort restarts."""
 
 import faulthandler
 import logging
@@ -12,12 +12,12 @@ from pathlib import Path
 from workers.messages.log_tail import log_tail
 
 LONGEST_BYTES = 2**20
-"""A longer file is cut to its end: nobody empties it while a cohort trains."""
+"""A longer file is cut to its end, since it only restarts with the next cohort."""
 FORMAT = "%(asctime)s %(levelname)s %(name)s: %(message)s"
 
 
 class WorkerLog:
-    """The file, and how much of it was told. The clock is for tests."""
+    """The file, and how much of it was sent. The clock is for tests."""
 
     def __init__(self, path: Path, clock: Callable[[], float] = time.monotonic) -> None:
         """Begin the file."""
@@ -48,9 +48,9 @@ class WorkerLog:
         return log_tail(self._path)
 
     def news(self, wait_seconds: float) -> str:
-        """Return the last lines if there are new ones, and it was not told for so many seconds.
+        """Return the last lines if there are new ones, and none were sent for so many seconds.
 
-        Otherwise nothing.
+        Otherwise return nothing.
         """
         if self._clock() - self._told_at < wait_seconds:
             return ""

@@ -1,4 +1,4 @@
-"""An assignment: a run to be trained, under a name and the number of the attempt."""
+"""An assignment: a run to train, under a name and the number of the attempt."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,8 +11,8 @@ from workers.messages.run_spec import RunSpec
 class Assignment:
     """A run under one attempt, as the service claims it and its worker trains it.
 
-    run_id               its checkpoints lie under that name
-    attempt              what the worker says under an older number is refused
+    run_id               the name of its checkpoints
+    attempt              reports of the worker under an older number are refused
     environment_version  of its task's numbers, under which it was submitted
     """
 

@@ -15,7 +15,7 @@ OVERWRITTEN = re.compile(r"[^\n]*\r(?!\n)")
 def log_tail(path: Path) -> str:
     """Return the last lines of a file, at most 8 KiB, whole but for a longer one.
 
-    Nothing where there is no file.
+    Return nothing if there is no file.
     """
     try:
         with path.open("rb") as file:

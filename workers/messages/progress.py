@@ -1,4 +1,4 @@
-"""What a worker says about a cohort every second or few: news, and that it is alive."""
+"""Progress of a cohort, which a worker reports every few seconds: news, and that it is alive."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -14,7 +14,7 @@ class Activity(StrEnum):
     """What a worker is doing."""
 
     COMPILING = "compiling"
-    """Loading the learner and compiling its kernels, at first use up to a minute; and taking up
+    """Loading the learner, compiling its kernels, at first use up to a minute, and resuming
     runs where they were left."""
     TRAINING = "training"
     """Past its first cycle."""
@@ -22,10 +22,10 @@ class Activity(StrEnum):
 
 @dataclass(frozen=True)
 class Resumption:
-    """Where a run was taken up: at a checkpoint's timestep, or anew at 0.
+    """Where a run was resumed: at the timestep of a checkpoint, or at 0 from the start.
 
     mixed_with   how the machines that trained it before differ from this one; mostly empty
-    note         what there is to say, a sentence, such as of a damaged checkpoint; mostly empty
+    note         a remark, such as on a damaged checkpoint; mostly empty
     """
 
     seed: int
@@ -36,7 +36,7 @@ class Resumption:
 
 @dataclass(frozen=True)
 class CheckpointAttempt:
-    """A checkpoint of a run was written, or, where there is a problem, could not be."""
+    """A checkpoint of a run was written or, with a problem, could not be."""
 
     seed: int
     timestep: int
@@ -45,7 +45,7 @@ class CheckpointAttempt:
 
 @dataclass(frozen=True)
 class Progress:
-    """News since the one before. Without any it is a heartbeat.
+    """News since the last report. Without any, it is a heartbeat.
 
     timestep      environment steps that the seeds in training have done
     training      those seeds, where others of the cohort wait for them; empty: all
@@ -53,8 +53,8 @@ class Progress:
     diverged      seeds that stopped being finite; they train no more
     failed        seeds in which code raised; they train no more
     finished      seeds that are done; they train no more
-    dropped       seeds that the worker was told to drop and has dropped
-    resumed       where runs were taken up, with the fingerprint and all they had measured by then
+    dropped       seeds that the worker has dropped on request
+    resumed       where runs were resumed, with the fingerprint and their measurements by then
     checkpoints   that were written, or could not be
     bytes_per_run memory that each run may come to fill; 0 until that is known
     fingerprint   what the bits depend on; once, before anything is trained

@@ -1,7 +1,7 @@
-"""What a pool of workers tells the one who uses it.
+"""Reports of a pool of workers to its user.
 
-On its way a report is a line: its kind, the worker's name, and its fields as JSON. Whoever passes
-lines on reads the first two words at most; the fields are read once, where the report is used.
+A report is sent as a line: its kind, the worker's name, and its fields as JSON. A process that
+forwards lines reads the first two words at most; the user of the report reads the fields, once.
 """
 
 import json
@@ -13,10 +13,10 @@ from workers.messages.progress import Progress
 from workers.messages.work import Work
 
 FORMAT = 4
-"""Of what service and pool say to each other. A pool that was left by a service of another format
-is ended and not taken up."""
+"""Format of the messages between service and pool. A pool that a service of another format left is
+ended and not reused."""
 NOBODY = "-"
-"""Stands for the worker in a line that is of none."""
+"""In place of the worker in a line without one."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Ready:
 
 @dataclass(frozen=True)
 class Busy:
-    """A worker has begun a cohort: for whoever hears of it and did not assign it."""
+    """A worker has begun a cohort: for a service that did not assign it."""
 
     worker: str
     work: Work
@@ -38,7 +38,7 @@ class Busy:
 
 @dataclass(frozen=True)
 class News:
-    """A worker said something about the cohort it trains."""
+    """A worker reported progress of its cohort."""
 
     worker: str
     cohort: str
@@ -65,7 +65,7 @@ class Failed:
 
 @dataclass(frozen=True)
 class Lost:
-    """A worker is no more. Another one will be ready in its place, unless its node has gone."""
+    """A worker has ended. Another one will replace it, unless its node has gone."""
 
     worker: str
     reason: str
@@ -74,7 +74,7 @@ class Lost:
 
 @dataclass(frozen=True)
 class Retired:
-    """A worker was ended that had nothing to do, or was old. What it was given has not begun."""
+    """An idle or old worker was ended. Work that it was given has not begun."""
 
     worker: str
 
@@ -105,7 +105,7 @@ KINDS: Mapping[str, type[Report]] = {
 
 
 class Heading(NamedTuple):
-    """What a line says of itself before its fields."""
+    """The beginning of a line, before its fields."""
 
     kind: str
     worker: str

@@ -58,8 +58,8 @@ def shared_cell(specs: Sequence[RunSpec]) -> RunSpec:
         raise ValueError(f"a cohort is 1 to {COHORT_LIMIT} runs, got {len(specs)}")
     if len(cells := {spec.cell for spec in specs}) > 1:
         different = ", ".join(map(str, cells))
-        raise ValueError(f"the runs of a cohort differ in their seed alone, got {different}")
+        raise ValueError(f"the runs of a cohort must differ only in their seed, got {different}")
     seeds = [spec.seed for spec in specs]
     if len(set(seeds)) < len(seeds):
-        raise ValueError(f"the seeds of a cohort are distinct, got {seeds}")
+        raise ValueError(f"the seeds of a cohort must be distinct, got {seeds}")
     return cells.pop()

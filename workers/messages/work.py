@@ -1,4 +1,4 @@
-"""What a worker is given to do."""
+"""The work of a worker."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ class Work:
 
     cohort                names it in every report; never given twice
     runs                  its runs
-    lease_seconds         a worker that is not heard of for so long has lost them
+    lease_seconds         a worker that is silent for so long has lost them
     measure_random_return measure that of its task first
     report_seconds        between two reports of its progress; each is also a heartbeat
     file                  the text of its task, where the task is of a file

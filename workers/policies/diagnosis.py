@@ -22,7 +22,7 @@ def diagnosis(
     Raises:
         ArithmeticError: where a step has no derivatives, or no solution.
         DamagedError: where what was learned cannot be read.
-        UnavailableError: where the place of the checkpoints cannot be had.
+        UnavailableError: if the place of the checkpoints is unavailable.
     """
     snapshot = find_snapshot(checkpoints, run_id)
     if snapshot is None:

@@ -18,7 +18,7 @@ def policy_file(
 
     Raises:
         DamagedError: where what was learned cannot be read.
-        UnavailableError: where the place of the checkpoints cannot be had.
+        UnavailableError: if the place of the checkpoints is unavailable.
     """
     snapshot = find_snapshot(checkpoints, run_id)
     if snapshot is None:

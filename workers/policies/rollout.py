@@ -32,13 +32,13 @@ def rollout(
 
     `file` is the text of the task, where the task is of one.
 
-    None while the run has learned nothing that was written. What the fields hold, says
-    `service.api.schemas.rollout_answer`.
+    None while the run has learned nothing that was written. `service.api.schemas.rollout_answer`
+    describes the fields.
 
     Raises:
         StartError: for a state that is none of the task's.
         DamagedError: where what was learned cannot be read.
-        UnavailableError: where the place of the checkpoints cannot be had.
+        UnavailableError: if the place of the checkpoints is unavailable.
     """
     snapshot = find_snapshot(checkpoints, run_id)
     if snapshot is None:
@@ -73,7 +73,7 @@ def start_state(task: Environment, start: list[float] | int) -> FloatArray:
 
 
 def surface(task: Environment, snapshot: Snapshot, spec: RunSpec) -> dict[str, Any] | None:
-    """MassPoint's critic beside the truth (figure 2); None for other tasks and without a critic."""
+    """MassPoint's critic and the truth (figure 2); None for other tasks and without a critic."""
     if task.name != SURFACE_TASK or snapshot.critic is None:
         return None
     exact = task.with_parameters(process_noise=0.0, observation_noise=0.0)

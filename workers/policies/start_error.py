@@ -1,4 +1,4 @@
-"""What is said of a start that no episode can have."""
+"""The error for a start that no episode can have."""
 
 
 class StartError(ValueError):

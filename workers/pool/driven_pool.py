@@ -1,7 +1,7 @@
 """A pool that a process drives, as its service sees it: a socket with commands and reports.
 
-Commands go one way and reports the other, as lines. Who holds Ray's token may run code beside that
-process: nothing that comes from it is trusted to be more than a line that is a report.
+Commands go one way and reports the other, as lines. Holders of Ray's token may run code beside that
+process, so its lines are only read as reports and not trusted otherwise.
 """
 
 import json
@@ -22,22 +22,22 @@ from workers.messages.work import Work
 from workers.pool.pool import PoolUnavailableError
 
 GREETING_SECONDS = 5.0
-"""How long a process that is to be taken up may take to say a word."""
+"""How long an earlier process may take to answer before it is not reused."""
 LONGEST_LINE = 2**24
 
 
 class DrivenPool(ABC):
-    """A Pool (see workers/pool/pool.py), but for how the process comes and goes."""
+    """A Pool (see workers/pool/pool.py), without the start and end of its process."""
 
     def __init__(self) -> None:
-        """Be connected to nothing yet."""
+        """Connect to nothing yet."""
         self._reports: queue.SimpleQueue[Report | None] = queue.SimpleQueue()
         self._channel: socket.socket | None = None
         self._listener: threading.Thread | None = None
 
     @abstractmethod
     def start(self) -> None:
-        """Have a process that drives the pool. Raises PoolUnavailableError."""
+        """Get a process that drives the pool. Raises PoolUnavailableError."""
 
     @abstractmethod
     def close(self) -> None:
@@ -45,14 +45,14 @@ class DrivenPool(ABC):
 
     @abstractmethod
     def _last_words(self) -> str:
-        """Why the process that was driving the pool does so no more, a sentence."""
+        """Why the process does not drive the pool any more, a sentence."""
 
     def train(self, worker: str, work: Work) -> None:
         """Train a cohort."""
         self._send(do="train", worker=worker, work=work.to_json())
 
     def drop(self, worker: str, seeds: Collection[int]) -> None:
-        """Train these seeds no further."""
+        """Stop training these seeds."""
         self._send(do="drop", worker=worker, seeds=sorted(seeds))
 
     def kill(self, worker: str) -> None:
@@ -60,17 +60,17 @@ class DrivenPool(ABC):
         self._send(do="kill", worker=worker)
 
     def demand(self, workers: int) -> None:
-        """There is work for so many workers."""
+        """Tell for how many workers there is work."""
         self._send(do="demand", workers=workers)
 
     def acknowledge(self, count: int) -> None:
-        """So many more of the reports given out are recorded, in their order."""
+        """Mark the next `count` reports, in their order, as recorded."""
         self._send(do="acknowledge", count=count)
 
     def reports(self, timeout_seconds: float, gather_seconds: float = 0.0) -> list[Report]:
         """Wait for reports. Raises PoolUnavailableError when the process has ended.
 
-        What it had started is ended then too.
+        Its own processes are ended then, too.
         """
         found: list[Report] = []
         try:
@@ -89,9 +89,9 @@ class DrivenPool(ABC):
         raise PoolUnavailableError(last_words)
 
     def _connect(self, path: Path, terms: Terms, greeting_seconds: float | None) -> bool:
-        """Connect to a process and ask for workers; whether it agrees in that time.
+        """Connect to a process and request workers; return whether it agrees in that time.
 
-        None: a process of ours, which will. Raises OSError where nobody listens.
+        None: a process of ours, which will. Raises OSError if no process listens.
         """
         with ExitStack() as unless_connected:
             channel = unless_connected.enter_context(socket.socket(socket.AF_UNIX))

@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from pathlib import Path
 
 SECRETIVE = ("D3PG_", "PG")
-"""How variables begin that are the service's and its database's alone: they may hold secrets."""
+"""Prefixes of variables for the service and its database only: they may hold secrets."""
 TOKEN_VARIABLES = ("RAY_AUTH_TOKEN", "RAY_AUTH_TOKEN_PATH")
 
 
 def without_secrets(variables: Mapping[str, str]) -> dict[str, str]:
-    """Return an environment without what is the service's and its database's alone."""
+    """Return an environment without the variables of the service and its database."""
     return {name: value for name, value in variables.items() if not name.startswith(SECRETIVE)}
 
 
@@ -23,7 +23,7 @@ def without_ray_token(variables: Mapping[str, str]) -> dict[str, str]:
 def pool_environment(ray_address: str, data_dir: Path) -> dict[str, str]:
     """Return the environment of the process: ours, less the service's settings, plus Ray's needs.
 
-    Whoever holds Ray's token, and the code of every task, can read it. It has neither the service's
+    Holders of Ray's token, and the code of every task, can read it. It has neither the service's
     token nor the database's address or password.
 
     Ray turns its authentication on by itself in some processes only, and the others then fail, so

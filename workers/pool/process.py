@@ -4,9 +4,9 @@ Ray ends the process that drives it when the cluster's head is lost. That must n
 so `python -m workers` drives Ray, and talks JSON lines over a Unix socket with the service:
 commands one way, reports the other.
 
-The process outlives a service that is killed, keeps its workers at work and what they say (see
-`workers/driver/outbox.py`), and is taken up by the next service on the data directory; a service
-that is stopped closes it. Where it has ended meanwhile, the next one says what it had to say.
+The process outlives a service that is killed, and keeps its workers at work, and their reports (see
+`workers/driver/outbox.py`). The next service on the data directory connects to it; a service that
+is stopped closes it. If it has ended meanwhile, the next process sends its reports.
 """
 
 import contextlib
@@ -29,20 +29,20 @@ from workers.pool.environment import pool_environment
 from workers.pool.process_group import kill_group, runs_with, wait_for_end
 
 CLOSING_SECONDS = 1.5
-"""How long the process may take to end Ray in order; then all of its group is killed."""
+"""How long the process may take to end Ray in order, before its group is killed."""
 SOCKET = "pool.sock"
-"""In the folder of the process."""
+"""A file in the folder of the process."""
 
 
 @dataclass(frozen=True)
 class PoolSettings:
     """Where the workers are.
 
-    workers      local worker slots; of no account with an address
+    workers      local worker slots; ignored with an address
     ray_address  a cluster to join; empty: a local one, made and ended with the pool
     data_dir     takes the token file, the logs and the spools
     checkpoints  where the workers keep them: a folder, as they see it, or s3://bucket/prefix
-    min_workers  on a joined cluster: kept however little there is to do
+    min_workers  on a joined cluster: kept even if there is less work
     max_workers  on a joined cluster: the most there may be
     worker_bytes memory that each needs of its node; 0: any
     """
@@ -57,14 +57,14 @@ class PoolSettings:
 
     @property
     def terms(self) -> Terms:
-        """What the process is asked for."""
+        """The terms for the process."""
         least, most = self.workers, self.workers
         if self.ray_address:
             least, most = self.min_workers, self.max_workers
         return Terms(self.ray_address, least, most, self.worker_bytes, str(self.checkpoints))
 
     def for_driver(self, listener: int, scratch: str) -> DriverSettings:
-        """Return what the process is told that listens there."""
+        """Return the settings of the process that listens there."""
         return DriverSettings(
             socket=Path(scratch) / SOCKET,
             logs=(self.data_dir / "logs").resolve(),
@@ -86,9 +86,9 @@ class PoolProcess(DrivenPool):
         self._scratch = ""
 
     def start(self) -> None:
-        """Take up the process that an earlier service left, or start one.
+        """Connect to the process that an earlier service left, or start one.
 
-        Workers come up while this returns.
+        Workers start in the background.
         """
         self.close()
         if not self._take_up():
@@ -140,9 +140,9 @@ class PoolProcess(DrivenPool):
         self._record.write_text(json.dumps(record))
 
     def _take_up(self) -> bool:
-        """Take up the process of an earlier service, where it is the one that is wanted and well.
+        """Connect to the process of an earlier service, if it has the same terms and works.
 
-        Otherwise it is ended.
+        Otherwise end it.
         """
         try:
             record = json.loads(self._record.read_text())
@@ -160,7 +160,7 @@ class PoolProcess(DrivenPool):
         return False
 
     def _is_answered(self) -> bool:
-        """Connect to the process of an earlier service, and see whether it gives what is wanted."""
+        """Connect to the process of an earlier service; return whether it accepts the terms."""
         try:
             path = Path(self._scratch) / SOCKET
             return self._connect(path, self._settings.terms, GREETING_SECONDS)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 
 def runs_with(pid: int, argument: str) -> bool:
-    """Whether that process is there and was started with that argument."""
+    """Whether that process exists and was started with that argument."""
     try:
         arguments = Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")
     except OSError:
@@ -28,7 +28,7 @@ def wait_for_end(pid: int, seconds: float) -> None:
 
 
 def kill_group(leader: int) -> None:
-    """Kill what is left of a process group."""
+    """Kill the remaining processes of a group."""
     try:
         os.killpg(leader, signal.SIGKILL)
     except ProcessLookupError:

@@ -1,8 +1,8 @@
-"""The pool of a process that stands apart, such as in a container of its own.
+"""The pool of a separate process, such as in a container of its own.
 
-Service and process share nothing but a folder with its socket. Each is started and ended by itself:
-the process waits for services, does what one asks for and ends when it closes the pool, and whoever
-keeps it starts it again.
+Service and process share only a folder with the socket. Each is started and ended by itself: the
+process waits for services, follows one and ends when it closes the pool; a supervisor starts the
+process again.
 """
 
 import contextlib
@@ -14,27 +14,27 @@ from workers.pool.driven_pool import GREETING_SECONDS, DrivenPool
 from workers.pool.pool import PoolUnavailableError
 
 CLOSING_SECONDS = 5.0
-"""How long the process may take to end its workers; it goes on with that without us."""
+"""How long to wait until the process has ended its workers; it goes on after that."""
 
 
 class StandingPool(DrivenPool):
-    """A Pool (see workers/pool/pool.py) of whoever listens at a socket."""
+    """A Pool (see workers/pool/pool.py) of the process that listens at a socket."""
 
     def __init__(self, path: Path, terms: Terms) -> None:
-        """Be connected to nothing yet."""
+        """Connect to nothing yet."""
         super().__init__()
         self._path = path
         self._terms = terms
 
     def start(self) -> None:
-        """Connect to the process. Raises PoolUnavailableError where there is none."""
+        """Connect to the process. Raises PoolUnavailableError if there is none."""
         self.close()
         try:
             is_up = self._connect(self._path, self._terms, GREETING_SECONDS)
         except OSError as error:
             raise PoolUnavailableError(
                 f"no process that drives Ray answers at {self._path} ({error.strerror or error}): "
-                "is it being started?"
+                "check that it is running"
             ) from error
         if not is_up:
             raise PoolUnavailableError(
@@ -42,7 +42,7 @@ class StandingPool(DrivenPool):
             )
 
     def close(self) -> None:
-        """Have the process end its workers and itself."""
+        """Let the process end its workers and itself."""
         if self._channel is None or self._listener is None:
             return
         self._send(do="close")

@@ -4,8 +4,8 @@
     else where     since the last one >= 5 s  and  cost so far + highest of one <= 2 % of the time
 
 So checkpoints cost at most 2 % of a worker's time, counted from when it began. Where a single one
-takes over 1.2 s, both limits cannot hold, and the first wins: how much work can be lost is a
-promise to users, the share only a price, and one that slow disks alone ever raise.
+takes over 1.2 s, both limits cannot hold, and the first wins: the limit on lost work is a promise
+to users, and the share is a cost that only slow disks raise.
 """
 
 import time
@@ -17,7 +17,7 @@ SHARE = 0.02
 
 
 class Cadence:
-    """Counts from its making, then from the end of each checkpoint."""
+    """Counts from its construction, then from the end of each checkpoint."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         """Begin to count; the clock is for tests."""
@@ -36,7 +36,7 @@ class Cadence:
         return is_cheap and now - self._last_at >= SHORTEST_SECONDS
 
     def took(self, seconds: float) -> None:
-        """Take into account what a checkpoint just written took."""
+        """Take into account the time of a checkpoint that was just written."""
         self._spent += seconds
         self._highest = max(self._highest, seconds)
         self._last_at = self._clock()

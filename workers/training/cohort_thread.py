@@ -1,11 +1,11 @@
 """A cohort in training, on a thread of its own.
 
-Its runs are taken up where their checkpoints left them. Those left at one timestep train together,
-and where there are several such groups, the foremost goes first and the others wait for it.
+Its runs are resumed where their checkpoints left them. Runs at the same timestep train together. If
+there are several such groups, the most advanced trains first and the others wait for it.
 
 The thread works cycle after cycle and leaves its news in a box; `collect` empties the box. So the
-one who listens hears from the worker every second even while a kernel compiles, and a worker that
-nobody listens to any more stops by itself: its lease has ended, and another may have its runs.
+driver hears from the worker every second, even while a kernel compiles, and a worker without a
+driver stops by itself: its lease has ended, and another may have its runs.
 """
 
 import threading
@@ -26,20 +26,20 @@ from workers.messages.random_return import RandomReturn
 from workers.training.cadence import Cadence
 
 UNCOLLECTED_SECONDS = 12.0
-"""A worker whose news nobody collected for so long stops, before its lease of 15 s has ended."""
+"""A worker whose news was not collected for so long stops before its lease of 15 s has ended."""
 NO_ANSWER_SECONDS = 60.0
-"""So long a worker asks a place that does not answer, for checkpoints or to leave there what was
-learned at the end; then it begins anew, or tells that it could not."""
+"""How long a worker retries a place that does not answer, for checkpoints, or to write what was
+learned at the end; then it starts again, or reports that it could not write."""
 AGAIN_SECONDS = 2.0
 
 
 class AbandonedError(RuntimeError):
-    """Nobody collected a worker's news for too long, and it stopped."""
+    """A worker's news was not collected for too long, and it stopped."""
 
 
 @dataclass
 class _News:
-    """What has happened since the last `collect`."""
+    """The news since the last `collect`."""
 
     measurements: list[Measurement] = field(default_factory=list)
     diverged: list[Divergence] = field(default_factory=list)
@@ -54,7 +54,7 @@ class _News:
 class CohortThread:
     """Trains the seeds that have `checkpoints` until every one has ended, or `stop`.
 
-    `measure_first`, where given, runs before; its random return is among the first news.
+    `measure_first`, if given, runs before; its random return is among the first news.
     """
 
     def __init__(
@@ -65,7 +65,7 @@ class CohortThread:
         on_abandoned: Callable[[], None],
         measure_first: Callable[[], RandomReturn] | None = None,
     ) -> None:
-        """Start the thread. `dropped` is asked before each cycle which seeds are to leave."""
+        """Start the thread. `dropped` is called before each cycle; it returns seeds to drop."""
         self._checkpoints = checkpoints
         self._make_learner = make_learner
         self._dropped = dropped
@@ -91,7 +91,7 @@ class CohortThread:
         """Wait that long, or until seeds were dropped or all is over; return the news.
 
         And whether all is over.
-        Raises what the learner raised, once its last news have been collected.
+        Raises the learner's exception, once its last news has been collected.
         """
         if not self._over.is_set():
             self._is_urgent.wait(timeout_seconds)
@@ -119,7 +119,7 @@ class CohortThread:
         return progress, is_over and self._failure is None
 
     def stop(self) -> None:
-        """End after the cycle that is under way, and wait for it."""
+        """End after the present cycle, and wait for it."""
         self._stopped.set()
         self._thread.join()
 
@@ -140,9 +140,9 @@ class CohortThread:
             self._is_urgent.set()
 
     def _play_at_random(self) -> str:
-        """Measure the random return where it is wanted; return why it could not be.
+        """Measure the random return if it is requested; return why it could not be measured.
 
-        Runs do without: their returns are not normalised then.
+        Runs train without it: their returns are not normalised then.
         """
         if self._measure_first is None:
             return ""
@@ -158,7 +158,7 @@ class CohortThread:
         return ""
 
     def _find_checkpoints(self, remark: str) -> dict[int, Found]:
-        """Look where each run was left, and tell, with a remark on all of them."""
+        """Find where each run was left, and report it, with a remark on all of them."""
         patience = self._patience()
         found = {seed: each.find(patience) for seed, each in self._checkpoints.items()}
         self._measured = {seed: [*each.measurements] for seed, each in found.items()}
@@ -193,7 +193,7 @@ class CohortThread:
         cadence = Cadence()
         while not learner.finished and not self._stopped.is_set():
             if self._is_abandoned():
-                raise AbandonedError(f"nobody collected the news for {UNCOLLECTED_SECONDS} s")
+                raise AbandonedError(f"the news was not collected for {UNCOLLECTED_SECONDS} s")
             self._drop(learner)
             self._cycle(learner)
             if cadence.is_due and not learner.finished:
@@ -202,17 +202,17 @@ class CohortThread:
                 cadence.took(time.perf_counter() - begun)
 
     def _save(self, learner: Learner) -> None:
-        """Write a checkpoint of every run in training. Where that fails, training goes on."""
+        """Write a checkpoint of every run in training. If that fails, training goes on."""
         self._at_once(partial(self._save_run, learner), learner.seeds)
 
     def _at_once(self, write: Callable[[int], None], seeds: Sequence[int]) -> None:
-        """Write for many seeds: the disk takes as long for what many threads ask as for one's."""
+        """Write for many seeds: the disk takes as long for many threads as for one."""
         if seeds:
             with ThreadPoolExecutor(len(seeds)) as threads:
                 list(threads.map(write, seeds))
 
     def _save_run(self, learner: Learner, seed: int) -> None:
-        """Write a run's checkpoint and what it has learned, and tell."""
+        """Write a run's checkpoint and what it has learned, and report it."""
         problem = ""
         try:
             self._checkpoints[seed].save(learner, self._measured[seed])
@@ -226,7 +226,7 @@ class CohortThread:
     def _save_end(self, learner: Learner, seed: int, patience: Patience) -> None:
         """Write what has been learned by the end and, for a longer run, where it ended.
 
-        Where the latter fails, a longer run is taken up before, or begins anew.
+        If the latter fails, a longer run is resumed earlier, or starts again.
         """
         with suppress(OSError):
             if self._checkpoints[seed].save_end(learner, self._measured[seed]):
@@ -235,7 +235,7 @@ class CohortThread:
         self._save_policy(learner, seed, patience)
 
     def _end_again(self, learner: Learner) -> None:
-        """Tell that runs ended whose last checkpoint is that of their end."""
+        """Report the end of runs whose last checkpoint is that of their end."""
         seeds = list(learner.seeds)
         self._at_once(partial(self._save_policy, learner, patience=self._patience()), seeds)
         with self._lock:
@@ -253,7 +253,7 @@ class CohortThread:
         write: Callable[[Learner], None],
         patience: Patience = without_patience,
     ) -> None:
-        """Write what a run has learned, or tell why not."""
+        """Write what a run has learned, or report why not."""
         try:
             answered(partial(write, learner), patience)
         except OSError as error:
@@ -281,7 +281,7 @@ class CohortThread:
             self._is_urgent.set()
 
     def _cycle(self, learner: Learner) -> None:
-        """One cycle of every seed; those that end in it are told apart by how."""
+        """One cycle of every seed; seeds that end in it are grouped by how they end."""
         if not learner.seeds:
             return
         before = list(learner.seeds)

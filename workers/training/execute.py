@@ -1,4 +1,4 @@
-"""Executing a cohort: specs in, progress out. Plain Python; knows nothing of what carries them.
+"""Executing a cohort: specs in, progress out. Plain Python, independent of Ray.
 
 A run's curve depends on its spec alone, so executing a run again gives the same measurements.
 """
@@ -49,11 +49,11 @@ def execute(
 ) -> Generator[Progress, None, None]:
     """Train a cohort and yield its progress every so many seconds, the last when all has ended.
 
-    Runs that have checkpoints in that place are taken up there; the first progress that has
-    the fingerprint says so. Closing the generator stops the training.
+    Runs that have checkpoints in that place are resumed there; the first progress that has the
+    fingerprint says so. Closing the generator stops the training.
 
-    `dropped` names the seeds to stop training; it is asked before every cycle. `on_abandoned` is
-    called, on another thread, when nobody has taken a progress for long and training has stopped.
+    `dropped` returns the seeds to stop training; it is called before every cycle. `on_abandoned` is
+    called, on another thread, when no progress was taken for long and training has stopped.
     With `measure_random_return`, one of the first has the random return of the task. A task of a
     file needs the `file`, whose hash is part of the fingerprint.
 

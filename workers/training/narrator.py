@@ -1,4 +1,4 @@
-"""What a worker logs of the cohort it trains: a line for each change, none while it trains on."""
+"""Log of a worker's cohort: a line for each change, none while training goes on."""
 
 import logging
 import time
@@ -11,10 +11,10 @@ log = logging.getLogger("d3pg")
 
 
 class Narrator:
-    """Tells a cohort's progress in the log of its worker. The clock is for tests."""
+    """Logs a cohort's progress in the log of its worker. The clock is for tests."""
 
     def __init__(self, work: Work, clock: Callable[[], float] = time.monotonic) -> None:
-        """Say what is to be trained."""
+        """Log what will be trained."""
         self._clock = clock
         self._begun_at = clock()
         self._activity = Activity.COMPILING
@@ -27,10 +27,10 @@ class Narrator:
         )
 
     def tell(self, progress: Progress) -> None:
-        """Log what has changed."""
+        """Log the changes."""
         for each in progress.resumed:
             if each.timestep:
-                log.info("seed %d is taken up at timestep %d", each.seed, each.timestep)
+                log.info("seed %d resumes at timestep %d", each.seed, each.timestep)
             if each.note:
                 log.warning("seed %d: %s", each.seed, each.note)
         if progress.activity is not self._activity:

@@ -72,8 +72,8 @@ class LearnedCritics(NamedTuple):
 def draw(title: str, rows: Sequence[Comparison], form: Form, checkpoints: Place) -> bytes:
     """Return the figure as a file's bytes, of the learners in the one row (return_mean).
 
-    Raises DamagedError where what was learned cannot be read, UnavailableError where its place
-    cannot be had.
+    Raises DamagedError if what was learned cannot be read, UnavailableError if its place is
+    unavailable.
     """
     [returns] = rows
     learners = [_learner(one, checkpoints) for panel in returns.panels for one in panel.curves]

@@ -1,4 +1,4 @@
-"""How a figure of curves looks: what is chosen for a paper, beside what the curves are of."""
+"""The look of a figure of curves: what is chosen for a paper, apart from the curves themselves."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace

@@ -61,8 +61,8 @@ class LearnedThrows(NamedTuple):
 def draw(title: str, rows: Sequence[Comparison], form: Form, checkpoints: Place) -> bytes:
     """Return the figure as a file's bytes, of the learners in the one row (raw return_history).
 
-    Raises DamagedError where what was learned cannot be read, UnavailableError where its place
-    cannot be had.
+    Raises DamagedError if what was learned cannot be read, UnavailableError if its place is
+    unavailable.
     """
     [histories] = rows
     learners = [_best(one, checkpoints) for panel in histories.panels for one in panel.curves]

@@ -1,4 +1,4 @@
-"""The files a figure can be had as."""
+"""The file formats of figures."""
 
 from collections.abc import Mapping
 from typing import Literal

@@ -1,7 +1,7 @@
 """The paper's figure 4: every curve as far as DDPG's go.
 
-Planning an episode takes up to ten times their timesteps; drawn whole, it would press what learns
-into a corner. Where planning arrives is in table 1.
+Planning an episode takes up to ten times their timesteps; drawn completely, it would compress the
+curves of learners into a corner. The final result of planning is in table 1.
 """
 
 from collections.abc import Sequence

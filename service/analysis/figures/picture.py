@@ -1,4 +1,4 @@
-"""A figure as a file's bytes: the same data give the same bytes, whoever draws them and when."""
+"""A figure as a file's bytes: the same data always give the same bytes."""
 
 import io
 import threading

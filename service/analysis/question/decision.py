@@ -38,7 +38,7 @@ Looks = NDArray[np.int64]
 
 
 class Outcome(IntEnum):
-    """What has become of a comparison."""
+    """The state of a comparison."""
 
     OPEN = 0
     BETTER = 1

@@ -1,6 +1,6 @@
 """How many more seeds a comparison needs, judging by the pairs seen so far.
 
-The pairs to come are drawn from those that were seen, with replacement, CONTINUATIONS times over,
+Later pairs are drawn from those that were seen, with replacement, CONTINUATIONS times,
 each time until `decision` would decide at the level of the next look. The forecast is the median
 number of seeds; the power is the share of continuations that decide before the budget ends. Both
 take the pairs seen for typical, and say nothing where fewer than MIN_PAIRS were.

@@ -1,4 +1,4 @@
-"""Paired differences: what an entry gains over another, seed by seed, in one task.
+"""Paired differences: the gain of an entry over another, seed by seed, in one task.
 
     d = score of ours - score of theirs, each score in [0, 1]: 0 acts at random, 1 is the best
     d = (t' - t) / max(t, t')            for "seconds to X": the share of the time that is saved

@@ -20,7 +20,7 @@ METHODS: dict[Method, str] = {
 
 
 def sentence(answer: Answer, question: Question) -> str:
-    """Return what is known of one comparison: `better by 0.05 to 0.11; 24 seeds`."""
+    """Return the state of one comparison in words: `better by 0.05 to 0.11; 24 seeds`."""
     match answer.outcome:
         case Outcome.BETTER | Outcome.WORSE:
             return f"{answer.outcome.name.lower()} by {_extent(answer)}; {_seeds(answer.seeds)}"

@@ -21,7 +21,7 @@ Cell = tuple[str, str]
 
 @dataclass(frozen=True)
 class Answer:
-    """What is known of one comparison.
+    """What is known about one comparison.
 
     pairs     that the outcome rests on
     outcome   OPEN, too, where the budget has ended
@@ -70,7 +70,7 @@ def _padded(n: tuple[int, ...], looks: int) -> tuple[int, ...]:
 
 
 def wanted(found: Sequence[Pairs], question: Question) -> dict[Cell, tuple[int, ...]]:
-    """Return the seeds that cells are to have for the next look; none where it is settled."""
+    """Return the seeds that cells shall have for the next look; none if it is settled."""
     return _wanted(found, decisions(found, question), question) if found else {}
 
 

@@ -1,1 +1,1 @@
-"""What is said of the runs of a sweep: scores, tables and tests over seeds and tasks."""
+"""Statistics of the runs of a sweep: scores, tables and tests over seeds and tasks."""

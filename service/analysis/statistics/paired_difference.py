@@ -1,4 +1,4 @@
-"""What an entry gains over one of the algorithm that its own extends, seed by seed, in each task.
+"""The gain of an entry over one of the algorithm that its own extends, by seed and task.
 
     d_i = 1/u (area of the hybrid's run i - area of the baseline's run i)
     area = 1/(t_1 - t_0) integral of return_mean over timesteps t_0 ... t_1 (trapezoids)

@@ -1,4 +1,4 @@
-"""Scores: one number for what a run has reached.
+"""Scores: one number for the result of a run.
 
     final           mean of return_mean over the measurements at timestep > 0.9 T, at least the last
     return_history  its latest value: the mean of the latest 100 return_mean (the paper's table 1)

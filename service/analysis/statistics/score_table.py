@@ -1,4 +1,4 @@
-"""What every entry of a sweep reached in every task: a row an entry, a column a task.
+"""The scores of every entry of a sweep in every task: a row an entry, a column a task.
 
 A cell holds mean, standard deviation (ddof 1) and the 95 % interval of the mean (Student's t) of
 the scores of its runs that reached their end. The best of a column is the largest mean of the
@@ -48,7 +48,7 @@ class ScoreTable:
 
     @property
     def decimals(self) -> int:
-        """Digits after the point that are printed, and that bold type goes by."""
+        """Digits after the point that are printed, and that decide on bold type."""
         return decimals(normalized=self.normalized)
 
     @property
@@ -65,7 +65,7 @@ class ScoreTable:
 
     @property
     def _incomplete(self) -> str:
-        """Say how many runs are missing, and what their absence does to a mean."""
+        """Say how many runs are missing, and how that affects a mean."""
         listed = [each for row in self.rows for each in row.standings if each]
         runs, counted = sum(each.runs for each in listed), sum(each.sample.n for each in listed)
         if counted == runs:

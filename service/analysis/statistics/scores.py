@@ -3,8 +3,8 @@
 Only a run that reached its end has a score: one that goes on is not comparable yet, and one that
 failed, diverged or was cancelled never will be. NaN stands for those, and for a score that is not
 finite or whose environment has no random return yet. A cell is complete when every run of it has a
-score. What an incomplete one shows is the mean of those that did not fail, and seeds that fail are
-seldom the good ones: it may be shown, with how many it is of, but wins nothing.
+score. An incomplete cell has the mean of the runs that did not fail, and seeds that fail are seldom
+the good ones: it may be shown, with the number of its runs, but is never the best.
 """
 
 from collections.abc import Callable, Mapping, Sequence

@@ -1,4 +1,4 @@
-"""The stratified bootstrap: how far a statistic of many tasks' runs is to be trusted.
+"""The stratified bootstrap: intervals of a statistic of many tasks' runs.
 
 Runs are drawn with replacement within each task (stratum), so every resample has the tasks and the
 numbers of runs of the sweep; the 95 % interval lies between the 2.5 % and 97.5 % quantiles of the

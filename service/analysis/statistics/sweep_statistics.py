@@ -1,4 +1,4 @@
-"""The statistics of one sweep: which tasks all its entries have in common, and what holds there.
+"""The statistics of one sweep, over the tasks that all its entries have in common.
 
 Not every entry runs in every task, and means over different tasks cannot be compared: only tasks in
 which every entry has a finite score count. An entry without any score yet is left out. Where only

@@ -1,6 +1,6 @@
 """The service's own token: one per data directory, in a file that its owner alone can read.
 
-Whoever has it is the administrator.
+Its holder is the administrator.
 """
 
 import os

@@ -3,9 +3,9 @@
     @router.get("/sweeps", dependencies=[MAY_READ])
 
 `refuse_undeclared` finds routes that say nothing, and the application does not start with one.
-A route that changes a sweep or a run, which its path names, is refused to whoever neither owns it
-nor is an administrator. Who came by a share sees only what is of a sweep that it shares: paths that
-name one, and routes that say `MAY_SEE_SHARED`, which show to such a caller no more than that.
+Only its owner and administrators may change the sweep or run that a path names. A caller with a
+shared link sees only the sweeps that it shares: paths that name one of them, and routes that say
+`MAY_SEE_SHARED`, which show such a caller nothing else.
 """
 
 from collections.abc import Iterator, Mapping
@@ -46,18 +46,18 @@ async def authorise(
     scope = Scope(needed.scopes[0])
     if not caller.scope.includes(scope):
         _refuse(
-            f"This needs the scope {scope.value!r}, and the token of {caller.name} has "
-            f"{caller.scope.value!r}. An administrator gives others: `d3pg users add`."
+            f"This needs the scope {scope.value!r}, but the token of {caller.name} has the scope "
+            f"{caller.scope.value!r}. An administrator can make another: `d3pg users add`."
         )
     sweep_id = _sweep_of(request.path_params)
     if not caller.sees(sweep_id) and SHARED not in needed.scopes:
-        _refuse("This was not shared with you: the link that you came by opens other sweeps.")
+        _refuse("This was not shared with you: the link that you followed opens other sweeps.")
     if scope is Scope.SUBMIT and sweep_id is not None:
         await run_in_threadpool(_refuse_others, caller, sweep_id, request.app.state.store)
 
 
 def open_to_all() -> None:
-    """Say that a route is for whoever asks."""
+    """Declare that a route is open to everybody."""
 
 
 MAY_SCRAPE = Security(authorise, scopes=[Scope.METRICS.value])
@@ -70,8 +70,8 @@ DECLARATIONS = (authorise, open_to_all)
 
 
 def not_theirs(sweep_id: str, owner: str) -> str:
-    """Say why a sweep cannot be changed by somebody."""
-    return f"sweep {sweep_id} is of {owner}, who alone can change it, or an administrator"
+    """Return why a caller cannot change a sweep."""
+    return f"sweep {sweep_id} is of {owner}: only {owner} or an administrator can change it"
 
 
 def refuse_undeclared(app: FastAPI) -> None:
@@ -95,7 +95,7 @@ def undeclared(app: FastAPI) -> Iterator[str]:
 
 
 def declared(route: Any) -> list[frozenset[str]]:
-    """Return what a route says of who may call it: scopes, none where it is open."""
+    """Return the scopes that a route declares; an empty set if it is open."""
     dependencies = getattr(getattr(route, "dependant", None), "dependencies", [])
     return [
         frozenset(each.own_oauth_scopes or ()) for each in dependencies if each.call in DECLARATIONS
@@ -103,13 +103,13 @@ def declared(route: Any) -> list[frozenset[str]]:
 
 
 def _sweep_of(path: Mapping[str, Any]) -> str | None:
-    """Return the sweep that a path is of."""
+    """Return the id of the sweep that a path belongs to."""
     run_id = path.get("run_id")
     return path.get("sweep_id") if run_id is None else RunName.parse(run_id).sweep_id
 
 
 def _refuse_others(caller: Caller, sweep_id: str, store: Store) -> None:
-    """Refuse whoever may not change a sweep; that there is none is for the route to say."""
+    """Refuse a caller who may not change a sweep; the route reports a missing one."""
     for owner in store.sweep_owners([sweep_id]).values():
         if not caller.may_change(owner):
             text = not_theirs(sweep_id, owner)

@@ -12,14 +12,14 @@ from service.api.access.register import SESSION_SECONDS
 
 @dataclass(frozen=True)
 class SessionCookie:
-    """How the cookie is called, and where browsers send it."""
+    """The name of the cookie, and where browsers send it."""
 
     name: str
     path: str
     is_secure: bool
 
     def put(self, response: Response, secret: str) -> None:
-        """Sign the browser in that an answer goes to."""
+        """Set the cookie in an answer, which signs the browser in."""
         response.set_cookie(
             self.name,
             secret,
@@ -31,17 +31,17 @@ class SessionCookie:
         )
 
     def take_away(self, response: Response) -> None:
-        """Have the browser forget it."""
+        """Delete the cookie in an answer."""
         response.delete_cookie(
             self.name, path=self.path, httponly=True, samesite="strict", secure=self.is_secure
         )
 
 
 def session_cookie(token: str, public: Public) -> SessionCookie:
-    """Return the cookie of the service that has a token and is found at a place.
+    """Return the cookie of the service with that token at that address.
 
-    Cookies do not know ports, and two services on one machine, which have other tokens, must not
-    sign each other's browsers out: so the name follows from the token.
+    Cookies ignore ports, and two services on one machine must not sign each other's browsers out.
+    So the name depends on the token, which differs between services.
     """
     name = hmac.digest(token.encode(), b"cookie name", hashlib.sha256).hex()[:8]
     return SessionCookie(f"d3pg-{name}", public.prefix or "/", public.is_secure)

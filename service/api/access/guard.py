@@ -1,13 +1,13 @@
 """Who may ask: one default-deny check in front of everything the service answers.
 
 Binding 127.0.0.1 protects from other machines, not from web pages open in this machine's browser.
-So every HTTP request and WebSocket handshake, whatever route it is for, passes three questions:
+So every HTTP request and WebSocket handshake, to any route, must pass three checks:
 
 1. Host: is it addressed to a name of ours? (A rebound foreign name is not: DNS rebinding.)
 2. Origin, Sec-Fetch-Site: does it come from a page of ours, or from no page? (Cross-site requests.)
 3. Token: `Authorization: Bearer TOKEN`, or the cookie of a session.
 
-Only `PUBLIC_PATHS` and what lies under `PUBLIC_PREFIX` are let off the third. A new route is
+Only `PUBLIC_PATHS` and what lies under `PUBLIC_PREFIX` are exempt from the third. A new route is
 covered without its author knowing of this file. What a caller may do is for the routes to say
 (`authority`); here it is found out who calls.
 """
@@ -92,7 +92,7 @@ class Guard:
             return refusal_response(
                 request,
                 HTTPStatus.FORBIDDEN,
-                "A page of another site asked for this; the service answers its own pages only.",
+                "A page of another site sent this request; the service answers its own pages only.",
             )
         if is_public(request.scope["path"]) or request.state.caller is not None:
             return None
@@ -114,7 +114,7 @@ class Guard:
         return send_with_headers
 
     def _caller(self, request: HTTPConnection) -> Caller | None:
-        """Return who calls; None for a stranger. A token that is sent counts, right or wrong."""
+        """Return who calls; None if unknown. A token in the request counts, even a wrong one."""
         scheme, _, token = request.headers.get("authorization", "").partition(" ")
         if scheme.lower() == "bearer":
             return self.register.by_token(token.strip())
@@ -167,7 +167,7 @@ def refusal_response(
 ) -> Response:
     """Return a refusal as a page for people, as a problem for programs.
 
-    Who signs in on the page is led on to the address that was `wanted`: of the request, if None.
+    After signing in on the page, the browser goes to `wanted`; None: to the request's address.
     """
     is_stranger = status is HTTPStatus.UNAUTHORIZED
     headers = {"WWW-Authenticate": "Bearer"} if is_stranger else {}

@@ -8,7 +8,7 @@ from service.settings import Settings
 
 
 def link_to(request: Request, path: str) -> str:
-    """Return the address of a path: the public one, else below where the request was sent to."""
+    """Return the address of a path: below the public address, else below the request's."""
     settings: Settings = request.app.state.settings
     base = settings.public.url if settings.public_url else str(request.base_url).rstrip("/")
     return f"{base}{path}"

@@ -1,7 +1,7 @@
 """The register of who may call: the administrator, users, shares and sessions.
 
 Tokens are random, of 256 bits, and only their SHA-256 is kept. A slow hash is for passwords, which
-people choose and others guess; nobody guesses one of these, so a fast hash is as safe, and every
+people choose and others guess; these cannot be guessed, so a fast hash is as safe, and every
 request computes one. A token is looked up by its hash. The time that this takes tells something of
 the hash of what was sent, which its sender knows, and nothing of any token.
 
@@ -34,12 +34,12 @@ MAX_BROWSER = 200
 
 
 class Register:
-    """Who may call. Safe from any thread."""
+    """The callers that are known. Safe from any thread."""
 
     def __init__(
         self, store: Store, service_token: str, clock: Callable[[], float] = time.time
     ) -> None:
-        """Read who there is; the clock is for tests."""
+        """Read users, shares and sessions; the clock is for tests."""
         self._store = store
         self._clock = clock
         self._service_key = digest(service_token)
@@ -48,11 +48,11 @@ class Register:
         self._read()
 
     def by_token(self, token: str) -> Caller | None:
-        """Return who has that token; None where it is nobody's."""
+        """Return the caller with that token; None if nobody has it."""
         return self._holder(digest(token))
 
     def by_cookie(self, secret: str) -> Caller | None:
-        """Return who is signed in by a session's cookie; None where nobody is."""
+        """Return the caller whom a session's cookie signs in; None if there is no such session."""
         session = self._sessions.get(digest(secret))
         if session is None or session.expires_at <= self._clock():
             return None
@@ -82,7 +82,7 @@ class Register:
         return code
 
     def redeem(self, code: str) -> Caller | None:
-        """Return whom a code signs in, and use it up; None where it is used, old or none."""
+        """Return the caller whom a code signs in, once; None if it is used, expired or unknown."""
         with self._lock:
             key, until = self._codes.pop(digest(code), ("", 0.0))
         return self._holder(key) if until > self._clock() else None
@@ -121,7 +121,7 @@ class Register:
         return self._store.users()
 
     def add_user(self, name: str, scope: Scope) -> str:
-        """Make a user and return its token, which nobody can find out again.
+        """Make a user and return its token, which cannot be found out again.
 
         Raises ImpossibleMoveError.
         """
@@ -130,7 +130,7 @@ class Register:
         return token
 
     def revoke_user(self, name: str) -> None:
-        """Take a user's token away, with its sessions and shares."""
+        """Revoke a user: token, sessions and shares."""
         self._change(self._store.revoke_user, name)
 
     # ---- shares
@@ -142,12 +142,14 @@ class Register:
     def add_share(
         self, sweeps: tuple[str, ...], page: str, days: int, made_by: str
     ) -> tuple[Share, str]:
-        """Let whoever gets the token read sweeps for some days; return the share and the token.
+        """Make a share by which its token reads sweeps for some days; return it and the token.
 
         Raises ImpossibleMoveError.
         """
         if len(self.shares()) >= MOST_SHARES:
-            raise ImpossibleMoveError(f"there are {MOST_SHARES} shares: revoke some of them")
+            raise ImpossibleMoveError(
+                f"there are {MOST_SHARES} shares already: revoke some of them first"
+            )
         token, now = secrets.token_urlsafe(TOKEN_BYTES), self._clock()
         share = Share(
             id=secrets.token_hex(6),
@@ -162,16 +164,16 @@ class Register:
         return share, token
 
     def remove_share(self, share_id: str) -> None:
-        """Take a share back, and sign out whoever came by it."""
+        """Revoke a share, and end the sessions that it opened."""
         self._change(self._store.remove_share, share_id)
 
     def page_of(self, caller: Caller) -> str | None:
-        """Return the page that a caller's share opens; None where it has come by no share."""
+        """Return the page that a caller's share opens; None for a caller without a share."""
         share = self._shares.get(caller.key_hash)
         return None if share is None else share.page
 
     def _holder(self, key: str, session: str | None = None) -> Caller | None:
-        """Return whose token has that hash."""
+        """Return the caller whose token has that hash."""
         if secrets.compare_digest(key, self._service_key):
             return Caller(ADMINISTRATOR, Scope.ADMIN, key, session)
         if (user := self._users.get(key)) is not None:
@@ -188,7 +190,7 @@ class Register:
             self._read()
 
     def _read(self) -> None:
-        """Take from the database who there is."""
+        """Read users, shares and sessions from the database."""
         users = [each for each in self._store.users() if each.revoked_at is None]
         self._users: Mapping[str, User] = {each.token_hash: each for each in users}
         self._shares: Mapping[str, Share] = {s.token_hash: s for s in self._store.shares()}

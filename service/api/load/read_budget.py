@@ -1,8 +1,7 @@
-"""The read budget: how many measurements the answers in the making may be of, together.
+"""The read budget: how many measurements concurrent answers may read together.
 
-An answer about a large sweep needs memory for all that its runs measured. More of them at once
-would not be ready sooner, for they share the processor: they wait for their turn, in the order they
-came.
+An answer about a large sweep needs memory for all that its runs measured. More answers at once
+would not be ready sooner, since they share the processor. So they wait for their turn, in order.
 """
 
 import asyncio
@@ -17,12 +16,12 @@ WAITING_SECONDS = 60.0
 
 
 class ReadBudget:
-    """Lets requests through that read; for one event loop."""
+    """Admits requests that read measurements; for one event loop."""
 
     def __init__(
         self, most_points: int = MOST_POINTS, waiting_seconds: float = WAITING_SECONDS
     ) -> None:
-        """Let the first ones through at once."""
+        """Admit the first requests at once."""
         self._most = most_points
         self._waiting_seconds = waiting_seconds
         self._in_use = 0
@@ -31,7 +30,7 @@ class ReadBudget:
 
     @asynccontextmanager
     async def of(self, points: int) -> AsyncIterator[None]:
-        """Read so many points inside. Raises ServiceBusy where the turn does not come."""
+        """Read so many points inside. Raises ServiceBusy if the turn does not come in time."""
         asked = min(points, self._most)
         try:
             async with asyncio.timeout(self._waiting_seconds), self._turn:
@@ -40,8 +39,8 @@ class ReadBudget:
                     await self._freed.wait()
         except TimeoutError:
             raise ServiceBusy(
-                f"Others read large sweeps; this one's turn did not come in "
-                f"{self._waiting_seconds:g} s. Ask again later."
+                f"Other requests read large sweeps; this one waited {self._waiting_seconds:g} s "
+                "for its turn. Try again later."
             ) from None
         self._in_use += asked
         try:

@@ -1,9 +1,10 @@
 """A process beside the service for what would hold it up: drawing figures, playing episodes.
 
-It is started when first needed, does one thing after the other at a lower priority, and ends with
-the service, however that ends: its pipe closes then. What takes too long is ended with it, and the
-next call starts another; what has waited for too long, or is wanted no more when its turn comes, is
-not begun. Functions go by name ("module:function"), so that the service itself loads neither
+It is started when first needed, runs one call after the other at a lower priority, and ends with
+the service, whose end closes its pipe. A call that takes too long is ended with the process; the
+next call starts another process. A call that has waited too long, or whose client has gone when its
+turn comes, is not begun.
+Functions go by name ("module:function"), so that the service itself loads neither
 matplotlib nor numba nor torch. The pipe carries pickles between our own two ends only. The process
 runs the code of tasks: it has no secret of the service in its environment.
 """
@@ -23,25 +24,25 @@ from workers.pool.environment import without_ray_token, without_secrets
 
 MOST_WAITING = 16
 WAITING_SECONDS = 30.0
-"""For a turn; browsers and proxies give up after about a minute."""
+"""Time to wait for a turn; browsers and proxies give up after about a minute."""
 LIMIT_SECONDS = 60.0
 CLOSE_SECONDS = 0.1
 
 
 class BusyError(RuntimeError):
-    """More is waiting than is sensible: ask again later."""
+    """Too many calls wait: try again later."""
 
 
 class AbandonedError(BusyError):
-    """Nobody wanted it any more when its turn came."""
+    """The client had gone when the turn came."""
 
 
 class TooSlowError(RuntimeError):
-    """It took longer than the limit and was ended."""
+    """The call took longer than the limit and was ended."""
 
 
 def always() -> bool:
-    """Nobody gives it up."""
+    """Return that the call is always wanted."""
     return True
 
 
@@ -53,7 +54,7 @@ class Side(Protocol):
 
 
 class OwnSide(Side, Protocol):
-    """One that is ended by who uses it."""
+    """A side that its user ends."""
 
     def close(self) -> None:
         """End what was started."""
@@ -75,11 +76,11 @@ class SideProcess:
         self._is_closed = False
 
     def call(self, function: str, *arguments: Any, is_wanted: Callable[[], bool] = always) -> Any:
-        """Run a function over there, after those that came before.
+        """Run a function in the process, after the calls that came before.
 
-        Raises what the function raises; BusyError where too many wait, where its turn does not
-        come in time, and where it is not wanted any more when it comes; TooSlowError; EOFError
-        where the process died of it.
+        Raises what the function raises; BusyError if too many calls wait, if the turn does not come
+        in time, or if the call is not wanted any more when it comes; TooSlowError; EOFError if the
+        process died of it.
         """
         if not self._waiting.acquire(blocking=False):
             raise BusyError(f"{MOST_WAITING} others wait already")
@@ -96,7 +97,7 @@ class SideProcess:
             self._waiting.release()
 
     def close(self) -> None:
-        """End the process at once: whoever waits for what it is doing gets an EOFError."""
+        """End the process at once: the call that is under way raises EOFError."""
         self._is_closed = True
         while not self._turn.acquire(timeout=CLOSE_SECONDS):
             if self._process is not None:

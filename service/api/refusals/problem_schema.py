@@ -1,4 +1,4 @@
-"""Problem documents in the OpenAPI document: one schema, for whatever any route may refuse."""
+"""Problem documents in the OpenAPI document: one schema for the refusals of all routes."""
 
 from typing import Any
 
@@ -17,7 +17,7 @@ class FaultAnswer(BaseModel):
 
     field: str = Field(description="Where: `algorithms[0].weights.w1`.")
     message: str
-    limit: float | str | None = Field(description="The bound that was passed; mostly null.")
+    limit: float | str | None = Field(description="The limit that was exceeded; mostly null.")
 
 
 class Problem(BaseModel):
@@ -48,12 +48,14 @@ class Problem(BaseModel):
     title: str
     status: int
     detail: str | None = None
-    errors: list[FaultAnswer] | None = Field(default=None, description="Of an invalid request.")
-    request_id: str | None = Field(description="What the service's log knows this request by.")
+    errors: list[FaultAnswer] | None = Field(
+        default=None, description="The faults of an invalid request."
+    )
+    request_id: str | None = Field(description="The id of this request in the service's log.")
 
 
 def describe_problems(app: FastAPI) -> None:
-    """Say of every operation that it may answer with a `Problem`, and with no other error."""
+    """Declare for every operation that it may answer with a `Problem`, and no other error."""
     answer = {"schema": {"$ref": REFERENCE.format(model=Problem.__name__)}}
     responses = {
         "4XX": {"description": "The request cannot be done.", "content": {MEDIA_TYPE: answer}},

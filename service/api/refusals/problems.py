@@ -69,21 +69,21 @@ class InvalidRequest(UnprocessableProblem):
 
 
 class NotFound(NotFoundProblem):
-    """404: nothing goes by that id."""
+    """404: nothing has that id."""
 
     type_ = "not-found"
     title = "There is no such thing here."
 
 
 class ImpossibleMove(ConflictProblem):
-    """409: what was asked cannot happen from where the thing stands."""
+    """409: the present state does not allow what was asked."""
 
     type_ = "impossible-move"
     title = "That cannot be done now."
 
 
 class ServiceBusy(StatusProblem):
-    """503: later, perhaps."""
+    """503: the service is busy; a later request may succeed."""
 
     type_ = "busy"
     title = "The service is busy."
@@ -98,7 +98,7 @@ class DatabaseTrouble(Problem):
     """503: the database cannot do it now, for a reason that passes."""
 
     def __init__(self, trouble: Trouble) -> None:
-        """Say what is wrong and what is to be done."""
+        """Say what is wrong and what to do."""
         detail = f"{trouble} {AFTERWARDS}"
         super().__init__(trouble.fact, trouble.name, detail, 503, {"Retry-After": "5"})
 
@@ -112,7 +112,7 @@ class InternalError(StatusProblem):
     def __init__(self, detail: str | None = None, **extras: Any) -> None:  # noqa: ARG002
         """`detail`, the exception's own text, stays in the log."""
         super().__init__(
-            f"It is in the service's log under request id {correlation_id.get()}.", **extras
+            f"The error is in the service's log under request id {correlation_id.get()}.", **extras
         )
 
 
@@ -196,7 +196,7 @@ def _fault_of(error: Mapping[str, Any]) -> Fault:
 
 
 def _message(error: Mapping[str, Any]) -> str:
-    """Return pydantic's message; what our own validators raise already is a sentence."""
+    """Return pydantic's message; messages of our own validators are used as they are."""
     if error["type"] == "value_error":
         return str(error["ctx"]["error"])
     return str(error["msg"])

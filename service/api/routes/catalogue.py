@@ -32,7 +32,7 @@ router = APIRouter(tags=["catalogue"], dependencies=[MAY_SEE_SHARED])
 
 
 class PresetAnswer(BaseModel):
-    """What a submission gets that names no setting."""
+    """The settings of a submission that names none."""
 
     weights: WeightsAnswer
     timesteps: int
@@ -44,11 +44,13 @@ class AlgorithmAnswer(BaseModel):
 
     name: str
     summary: str
-    description: str = Field(description="Markdown: what the module of its learner says.")
+    description: str = Field(description="Markdown: the docstring of its learner's module.")
     uses_weights: bool
     needs_reward_gradient: bool
     config_schema: dict[str, Any]
-    presets: dict[str, PresetAnswer] = Field(description="By environment it can learn in.")
+    presets: dict[str, PresetAnswer] = Field(
+        description="By environment, for those that it can learn in."
+    )
 
 
 class AuditAnswer(BaseModel):
@@ -56,7 +58,9 @@ class AuditAnswer(BaseModel):
 
     regime: str
     states: int = Field(description="How many states were compared with central differences.")
-    kinks: int = Field(description="How many more lay at a kink, where no derivative exists.")
+    kinks: int = Field(
+        description="How many more states were at a kink, where no derivative exists."
+    )
     worst: float = Field(description="The worst relative error of the states compared.")
     median: float
     passed: bool = Field(description="At least 2,000 states, and the worst error at most 1e-6.")
@@ -66,7 +70,7 @@ class ParameterAnswer(BaseModel):
     """A physical parameter of an environment, or a deviation of its noise."""
 
     name: str
-    unit: str = Field(description='"1" for a number without one.')
+    unit: str = Field(description='"1" for a dimensionless number.')
     default: float
     least: float
     greatest: float
@@ -77,7 +81,7 @@ class EnvironmentAnswer(BaseModel):
     """An environment."""
 
     name: str
-    description: str = Field(description="Markdown: what its class and its module say.")
+    description: str = Field(description="Markdown: the docstrings of its class and its module.")
     version: int
     state_size: int
     action_size: int
@@ -85,11 +89,11 @@ class EnvironmentAnswer(BaseModel):
     horizon: int
     max_reward: float
     reward_is_differentiable: bool
-    regimes: list[str] = Field(description="The kinds of step that its audit reports apart.")
-    parameters: list[ParameterAnswer] = Field(description="What a sweep may give other values.")
+    regimes: list[str] = Field(description="The kinds of step that its audit reports separately.")
+    parameters: list[ParameterAnswer] = Field(description="Parameters that a sweep may set.")
     file: str = Field(description="The task file it comes from; empty for an installed task.")
     audit: list[AuditAnswer] = Field(
-        description="Empty where this version of the environment was never audited."
+        description="Empty if this version of the environment was never audited."
     )
 
 
@@ -171,14 +175,14 @@ class CatalogueAnswer(BaseModel):
     algorithms: list[AlgorithmAnswer]
     environments: list[EnvironmentAnswer]
     parameters: list[ParameterAnswer] = Field(
-        description="What a sweep may give to every environment beside its own: noise."
+        description="Parameters that every environment has beside its own: noise."
     )
     limits: LimitsAnswer
 
 
 @router.get("/catalogue")
 def get_catalogue(caller: TheCaller, store: TheStore) -> CatalogueAnswer:
-    """List algorithms, environments and limits: all that a submission can be made of."""
+    """List everything that a submission can use: algorithms, environments and limits."""
     environments, algorithms = known_environments(), catalogue.names()
     if caller.sweeps is not None:
         shown = names_in(caller.sweeps, store)
@@ -193,7 +197,7 @@ def get_catalogue(caller: TheCaller, store: TheStore) -> CatalogueAnswer:
 
 
 def names_in(sweeps: Iterable[str], store: Store) -> set[str]:
-    """Return the names of what sweeps compare, and in what."""
+    """Return the names of the algorithms and environments of sweeps."""
     found = [store.find_sweep(each) for each in sweeps]
     requests = [sweep.request for sweep in found if sweep is not None]
     named = [[each["name"] for each in request["algorithms"]] for request in requests]

@@ -1,4 +1,4 @@
-"""The API's documentation, served whole: it asks nothing of other sites.
+"""The API's documentation, served completely: it loads nothing from other sites.
 
 Swagger UI's page starts itself with an inline script, which our content security policy forbids
 everywhere; here that one script is allowed by its hash.

@@ -1,4 +1,4 @@
-"""Adding to a sweep: seeds, entries, timesteps; or only asking what that would be."""
+"""Adding seeds, entries or timesteps to a sweep, or a dry run of it."""
 
 from http import HTTPStatus
 
@@ -34,9 +34,9 @@ def add_runs(
 ) -> SweepAnswer | JSONResponse:
     """Add seeds to every curve or entries to every task, or extend every run to more timesteps.
 
-    409 for a sweep that was cancelled, for more timesteps also while runs are in training or where
-    a learner cannot go on from where it ended. Of an extension, `dry_run` counts the timesteps
-    that are added.
+    409 for a sweep that was cancelled; for more timesteps also while runs are in training, or if a
+    learner cannot go on from where it ended. With `dry_run`, an extension counts the timesteps that
+    would be added.
     """
     planned = growth_plan(sweep, store.sweep_cells(sweep.id), request, worker_memory)
     if dry_run:

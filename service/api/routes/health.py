@@ -1,6 +1,6 @@
-"""Is the process there; can it work; and how, as metrics for Prometheus.
+"""Liveness, readiness, and metrics for Prometheus.
 
-For metrics the token is asked for, as everywhere.
+Metrics need a token, as other routes do.
 """
 
 from fastapi import APIRouter, Response

@@ -1,7 +1,7 @@
 """Moves: cancelling, pausing, resuming and retrying, of sweeps and of runs.
 
-Asked again, a move changes nothing and is no error. From where it cannot start it answers 409
-with the reason.
+A repeated move changes nothing and is not an error. A move that is not possible answers 409 with
+the reason.
 """
 
 from collections.abc import Callable, Sequence
@@ -34,7 +34,7 @@ runs = APIRouter(prefix="/runs/{run_id}", tags=["runs"])
 
 @router.post("/moves", tags=["sweeps"], status_code=HTTPStatus.ACCEPTED)
 def move_many(request: BulkRequest, caller: TheCaller, store: TheStore) -> BulkAnswer:
-    """Ask many sweeps and runs for a move at once; those for which it is impossible say why."""
+    """Move many sweeps and runs at once; the answer says why others could not be moved."""
     others = _of_others(request.ids, caller, store)
     asked = [each for each in request.ids if each not in others]
     reasons = others | {each.id: each.reason for each in store.move_all(request.move, asked)}
@@ -47,7 +47,7 @@ def move_many(request: BulkRequest, caller: TheCaller, store: TheStore) -> BulkA
 
 
 def _of_others(identifiers: Sequence[str], caller: Caller, store: Store) -> dict[str, str]:
-    """Return why sweeps and runs cannot be moved that are not the caller's to change."""
+    """Return why the caller may not move some of the sweeps and runs."""
     names = {each: RunName.parse(each).sweep_id for each in identifiers if may_be_id(each)}
     owners = store.sweep_owners(set(names.values()))
     return {
@@ -59,7 +59,7 @@ def _of_others(identifiers: Sequence[str], caller: Caller, store: Store) -> dict
 
 @router.delete("/sweeps/{sweep_id}", tags=["sweeps"], status_code=HTTPStatus.ACCEPTED)
 def delete_sweep(sweep: TheSweep, store: TheStore) -> DeletionAnswer:
-    """Delete a sweep that has ended, with all that it measured and learned, for good."""
+    """Delete a sweep that has ended, with its measurements and policies, for good."""
     return DeletionAnswer(id=sweep.id, runs=refusing(lambda: store.delete_sweep(sweep.id)))
 
 

@@ -56,7 +56,7 @@ def favicon() -> RedirectResponse:
 
 @router.get("/sweeps/{sweep_id}", dependencies=[MAY_READ])
 def sweep_page(request: Request, sweep_id: str) -> HTMLResponse:
-    """Answer a sweep's page; that there is no such sweep is for its script to find out."""
+    """Answer a sweep's page; its script reports a missing sweep."""
     return page(request, "sweep", sweep_id=sweep_id)
 
 
@@ -74,7 +74,7 @@ def run_page(request: Request, run_id: str) -> HTMLResponse:
 
 @router.get("/workers", dependencies=[MAY_READ])
 def workers_page(request: Request) -> HTMLResponse:
-    """Answer who trains what, and what waits."""
+    """Answer the page of workers and the queue."""
     return page(request, "workers")
 
 
@@ -86,5 +86,5 @@ def compare_page(request: Request) -> HTMLResponse:
 
 @router.get("/catalogue", dependencies=[MAY_READ])
 def catalogue_page(request: Request) -> HTMLResponse:
-    """Answer what can be trained, and in what."""
+    """Answer the page of the catalogue."""
     return page(request, "catalogue")

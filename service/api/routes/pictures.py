@@ -41,7 +41,7 @@ class PictureAnswer(BaseModel):
 
     styles: list[StyleAnswer]
     frames: list[list[Row]] = Field(
-        description="A single one: its shapes, painted in order: style, x, y, x, y, ... in metres."
+        description="A single frame: its shapes in painting order, style, x, y, x, y, ... in m."
     )
     views: list[Row] = Field(description="Left, bottom, right, top of the frame.")
 
@@ -60,7 +60,7 @@ def get_picture(
     except ValueError as error:
         raise NotFound(f"{error}.") from error
     if caller.sweeps is not None and name_of(environment) not in names_in(caller.sweeps, store):
-        raise NotFound(f"No sweep that is shared with you is in {facts.name}.")
+        raise NotFound(f"No sweep that is shared with you runs in {facts.name}.")
     file = shelf.file_of(environment, facts.version)
     try:
         return side.call("workers.policies.picture:picture", environment, file)
@@ -69,4 +69,4 @@ def get_picture(
     except (BusyError, TooSlowError) as error:
         raise ServiceBusy(f"{facts.name} cannot be drawn now: {error}.") from error
     except EOFError as error:
-        raise ServiceBusy(f"{facts.name} cannot be drawn: the process that did so died.") from error
+        raise ServiceBusy(f"{facts.name} cannot be drawn: the drawing process died.") from error

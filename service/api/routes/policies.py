@@ -25,8 +25,8 @@ def get_policy(run: TheRun, learned: TheLearned) -> Response:
     """Download the policy that a run has learned, as of its last checkpoint or its end.
 
     The file is a NumPy archive, which `algorithms.load_policy` reads, and any program that reads
-    NumPy's format without pickle. 409 while nothing that the run learned was written, and for
-    `mpc`, which learns no policy.
+    NumPy's format without pickle. 409 while no policy of the run was written, and for `mpc`,
+    which learns none.
     """
     content = learned.call("workers.policies.policy_file:policy_file", run)
     disposition = f'attachment; filename="{run.id}.npz"'

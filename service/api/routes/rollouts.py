@@ -20,17 +20,17 @@ router = APIRouter(tags=["runs"], dependencies=[MAY_READ])
 def get_rollout(
     run: TheRun, query: Annotated[RolloutQuery, Query()], learned: TheLearned
 ) -> Response:
-    """Play an episode of what a run has learned, from a start that its task draws.
+    """Play an episode of a run's policy, from a start that its task draws.
 
-    409 while it has learned nothing that was written: a policy is written with every checkpoint
-    and at the end. `mpc` learns none.
+    409 while the run has no policy: one is written with every checkpoint and at the end. `mpc`
+    learns none.
     """
     return _played(run, query.seed, learned)
 
 
 @router.post("/rollouts", response_model=RolloutAnswer)
 def play_rollout(request: RolloutRequest, store: TheStore, learned: TheLearned) -> Response:
-    """Play an episode of what a run has learned, from a start of one's own."""
+    """Play an episode of a run's policy, from a start that the request states."""
     return _played(find_run(request.run, store), list(request.start), learned)
 
 

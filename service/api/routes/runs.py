@@ -32,11 +32,11 @@ class RunQuery(PageQuery):
 
     status: RunStatus | None = None
     algorithm: Name | None = None
-    environment: Name | None = Field(default=None, description="Its exact name.")
+    environment: Name | None = Field(default=None, description="The exact name of an environment.")
     sort: By = Field(default="made", description="Runs without the value come last.")
     descending: bool = False
     sparkline: int = Field(
-        default=0, ge=0, le=200, description="About so many points of return_mean with each run."
+        default=0, ge=0, le=200, description="Number of points of return_mean with each run, about."
     )
 
 
@@ -73,7 +73,7 @@ def list_runs(
 
 
 def _scales(sweep: Sweep, store: Store) -> Scales:
-    """Return the normalised scale of each of a sweep's environments that has one."""
+    """Return the normalised scales of a sweep's environments, as far as they are known."""
     newest = {name: zero for (name, _), zero in sorted(store.random_returns().items())}
     return {
         name: (newest[name].mean, best_return(name) - newest[name].mean)
@@ -84,7 +84,7 @@ def _scales(sweep: Sweep, store: Store) -> Scales:
 
 @router.get("/runs/{run_id}")
 def get_run(run: TheRun, label: TheLabel, checkpoints: TheCheckpoints) -> RunAnswer:
-    """Show a run; links have `rollout` and `policy` where it has learned something to act with."""
+    """Show a run; its links have `rollout` and `policy` if it has a policy."""
     answer = RunAnswer.of(run, label)
     try:
         can_act = has_policy(checkpoints, run.id)
@@ -99,5 +99,5 @@ def get_run(run: TheRun, label: TheLabel, checkpoints: TheCheckpoints) -> RunAns
 
 @router.get("/runs/{run_id}/attempts")
 def list_attempts(run: TheRun, store: TheStore) -> list[AttemptAnswer]:
-    """List how often a run was claimed, and how each attempt ended, the first one first."""
+    """List the attempts of a run, the first one first, and how each ended."""
     return [AttemptAnswer.of(attempt) for attempt in store.attempts(run.id)]

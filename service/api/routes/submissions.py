@@ -1,4 +1,4 @@
-"""Submitting a sweep, or only asking what that would be."""
+"""Submitting a sweep, or a dry run of it."""
 
 from http import HTTPStatus
 from typing import Annotated, Any
@@ -32,7 +32,7 @@ router = APIRouter(
 )
 
 DryRun = Annotated[
-    bool, Query(description="Only say what would be queued, and about what it would cost.")
+    bool, Query(description="Queue nothing; answer what would be queued, and its estimated cost.")
 ]
 DRY_RUN: dict[int | str, dict[str, Any]] = {
     200: {"model": DryRunAnswer, "description": "With `dry_run=true`."}
@@ -43,7 +43,7 @@ SubmissionKey = Annotated[
         min_length=1,
         max_length=255,
         pattern=r"^[\x20-\x7e]+$",
-        description="A text of the client's own, new for every sweep: makes a retry safe.",
+        description="Any text, new for every sweep: it makes a retry safe.",
     ),
 ]
 
@@ -67,8 +67,8 @@ def submit_sweep(
 ) -> SweepAnswer | JSONResponse:
     """Queue a sweep: all of its runs in one transaction, or none.
 
-    Submitted again under the same `Idempotency-Key`, it is the same sweep, for as long as that is
-    kept; the key with another request is refused.
+    A second submission with the same `Idempotency-Key` answers the first sweep, for as long as that
+    is kept; the same key with another request is refused.
     """
     refuse_webhook(request.webhook, webhook_hosts)
     planned = plan(request, worker_memory)
@@ -97,7 +97,7 @@ def submit_sweep(
 
 
 def estimate(planned: Plan, store: Store, workforce: Workforce) -> JSONResponse:
-    """Answer what a plan would queue, and about what it would cost."""
+    """Answer what a plan would queue, and its estimated cost."""
     past = store.past_costs(planned.algorithms, planned.environment_versions)
     costs = cell_costs(planned.costed, len(planned.seeds), past)
     answer = DryRunAnswer.of(planned, costs, len(workforce.workers))

@@ -38,7 +38,7 @@ class SweepQuery(PageQuery):
     owner: Name | None = Field(default=None, description="Who submitted it.")
 
     def search(self, only: frozenset[str] | None) -> SweepSearch:
-        """What is asked of the store, of the sweeps that may be seen; None: all."""
+        """The search of the store, among the sweeps that the caller may see; None: all."""
         return SweepSearch(
             self.q,
             self.tag,
@@ -59,7 +59,7 @@ def list_sweeps(
     caller: TheCaller,
     store: TheStore,
 ) -> Page[ListedSweepAnswer]:
-    """List sweeps, newest first; those that are archived only where they are asked for."""
+    """List sweeps, newest first; archived ones only on request."""
     search = query.search(caller.sweeps)
     sweeps = store.list_sweeps(read_cursor(query.after), query.limit + 1, search)
     cells = store.sweep_standings([sweep.id for sweep in sweeps[: query.limit]])
@@ -76,7 +76,7 @@ def list_sweeps(
 def edit_sweep(
     sweep: TheSweep, edit: SweepEdit, store: TheStore, webhook_hosts: TheWebhookHosts
 ) -> SweepAnswer:
-    """Change how a sweep is described, found, ranked and told of; at any time."""
+    """Change the description, priority, limits or webhook of a sweep, at any time."""
     refuse_webhook(edit.webhook, webhook_hosts)
     return SweepAnswer.of(store.edit_sweep(sweep.id, edit.changes))
 

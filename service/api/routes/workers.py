@@ -1,4 +1,4 @@
-"""Workers and the queue: who trains what, since when, what waits and why."""
+"""Workers and the queue: what each worker trains, since when, what waits and why."""
 
 from typing import Any, Self
 
@@ -88,13 +88,13 @@ class WaitingAnswer(BaseModel):
 
 
 class WorkersAnswer(BaseModel):
-    """Who trains what, and what waits."""
+    """Workers with what they train, and what waits."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [EXAMPLE]})
 
     problem: str | None = Field(description="Why no run can start now; null while they can.")
     workers: list[WorkerAnswer]
-    waiting: list[WaitingAnswer] = Field(description="What goes first is at the front.")
+    waiting: list[WaitingAnswer] = Field(description="In the order of the queue.")
 
 
 @router.get("/workers")

@@ -31,7 +31,7 @@ class CurveAnswer(BaseModel):
     algorithm: str
     weights: WeightsAnswer
     config: dict[str, Any]
-    label: str = Field(description="The name of the entry of the request that it is of.")
+    label: str = Field(description="Name of its entry in the request.")
     runs: int
     unfinished: dict[str, int] = Field(
         description="Runs that have not reached their end, by status; they count as far as they "

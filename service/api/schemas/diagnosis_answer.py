@@ -23,7 +23,7 @@ MAX_SEEDS = 16
 
 
 class CellsQuery(BaseModel):
-    """Of which runs of a sweep."""
+    """Which runs of a sweep to diagnose."""
 
     model_config = ConfigDict(extra="forbid")
 
@@ -31,9 +31,9 @@ class CellsQuery(BaseModel):
         default=4,
         ge=1,
         le=MAX_SEEDS,
-        description="Of each cell, at most: the first ones that reached their end.",
+        description="Runs of each cell, at most: the first ones that reached their end.",
     )
-    environment: Name | None = Field(default=None, description="In this task alone.")
+    environment: Name | None = Field(default=None, description="This task alone.")
 
 
 class FindingAnswer(BaseModel):
@@ -42,17 +42,19 @@ class FindingAnswer(BaseModel):
     diagnostic: str = Field(description="smoothing, growth, kinks, critic, target or loss.")
     quantity: str
     horizon: int | None = Field(description="Steps; null where it does not apply.")
-    noise: float | None = Field(description="Standard deviation of each action's; null: no noise.")
-    value: float | None = Field(description="Null where it does not exist.")
+    noise: float | None = Field(
+        description="Standard deviation of each action's noise; null: none."
+    )
+    value: float | None = Field(description="Null if it does not exist.")
 
 
 class DiagnosedCellAnswer(BaseModel):
     """A cell with the findings of its diagnosed runs."""
 
-    label: str = Field(description="The name of its entry of the request.")
+    label: str = Field(description="Name of its entry in the request.")
     algorithm: str
     environment: str
-    seeds: list[int] = Field(description="Of the diagnosed runs.")
+    seeds: list[int] = Field(description="Seeds of the diagnosed runs.")
     findings: list[FindingAnswer]
 
     @classmethod
@@ -93,11 +95,11 @@ class DiagnosisFigureAnswer(BaseModel):
     name: FigureName
     title: str
     definition: str = Field(description="What it shows.")
-    reading: str = Field(description="What that says.")
+    reading: str = Field(description="How to read it.")
 
 
 class DiagnosisAnswer(BaseModel):
-    """Where gradients help a run or the runs of a sweep: what was found, and what is to come."""
+    """Where gradients help a run or the runs of a sweep: findings, and diagnoses still to come."""
 
     model_config = ConfigDict(
         json_schema_extra={
@@ -140,14 +142,14 @@ class DiagnosisAnswer(BaseModel):
         }
     )
 
-    runs: int = Field(description="That can be diagnosed: those that have reached their end.")
-    waiting: int = Field(description="Diagnoses that are asked for and not made yet.")
+    runs: int = Field(description="Runs that can be diagnosed: those that have reached their end.")
+    waiting: int = Field(description="Diagnoses that were requested and are not made yet.")
     done: int
-    failed: int = Field(description="Those that found nothing; `problems` says why.")
+    failed: int = Field(description="Diagnoses that failed; `problems` says why.")
     cells: list[DiagnosedCellAnswer]
     figures: list[DiagnosisFigureAnswer]
     remarks: list[str] = Field(description="What the figures cannot show, and why.")
-    problems: list[str] = Field(description="Why diagnoses found nothing, each reason once.")
+    problems: list[str] = Field(description="Why diagnoses failed, each reason once.")
     links: dict[str, str]
 
     @classmethod

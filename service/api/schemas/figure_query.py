@@ -1,4 +1,4 @@
-"""What a figure of curves can be asked for: what it shows, and how it looks."""
+"""Options of a figure of curves: what it shows, and how it looks."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, Literal
@@ -22,26 +22,30 @@ Number = Annotated[float, Field(allow_inf_nan=False)]
 
 
 class FigureQuery(BaseModel):
-    """Which curves of a sweep, in which look. Left out: every curve, as the sweep's page shows."""
+    """Curves of a sweep, and their look; by default every curve, as on the sweep's page."""
 
     model_config = ConfigDict(extra="forbid")
 
     metric: Annotated[list[Text], Field(max_length=MAX_METRICS)] = Field(
-        default=list(RETURNS), description="A row of panels each."
+        default=list(RETURNS), description="Metrics, a row of panels each."
     )
-    environment: Names = Field(default=[], description="Tasks, in this order; none: all.")
-    entry: Names = Field(default=[], description="Labels of entries, in this order; none: all.")
+    environment: Names = Field(default=[], description="Tasks to draw, in this order; none: all.")
+    entry: Names = Field(
+        default=[], description="Labels of entries to draw, in this order; none: all."
+    )
     name: list[Annotated[Text, Field(pattern=NAME)]] = Field(
-        default=[], max_length=MAX_LISTED, description="`label=what the entry is called`."
+        default=[],
+        max_length=MAX_LISTED,
+        description="`label=name`: name of an entry in the figure.",
     )
     colour: list[Annotated[Text, Field(pattern=COLOUR)]] = Field(
         default=[], max_length=MAX_LISTED, description="`label=#0072b2`."
     )
     normalized: bool | None = Field(
-        default=None, description="0 acts at random, 1 is the best. Left out: true for returns."
+        default=None, description="0 acts at random, 1 is the best. By default true for returns."
     )
     band: Literal["std", "ci95", "iqr", "none"] = "std"
-    seeds: bool = Field(default=False, description="Each run's own curve too, thin.")
+    seeds: bool = Field(default=False, description="The curve of each run, too, as a thin line.")
     smoothing: float = Field(
         default=0.0, ge=0.0, lt=1.0, description="Weight of the debiased exponential average."
     )
@@ -56,20 +60,20 @@ class FigureQuery(BaseModel):
         default=False, description="2 % of the values at either end do not set the y axis."
     )
     align: bool = Field(default=False, description="One y axis for all panels of a row.")
-    max_points: int = Field(default=300, ge=2, le=10_000, description="Of a curve.")
+    max_points: int = Field(default=300, ge=2, le=10_000, description="Points of a curve, at most.")
     per_row: int | None = Field(
         default=None,
         ge=1,
         le=50,
-        description="Panels in a row, with a single metric; left out: four.",
+        description="Panels in a row, with a single metric; by default four.",
     )
     columns: Annotated[Literal[1, 2], BeforeValidator(int)] | None = Field(
         default=None,
-        description=f"Of a paper's two: {COLUMN_INCHES[1]} or {COLUMN_INCHES[2]} inches wide.",
+        description=f"Columns of a paper: {COLUMN_INCHES[1]} or {COLUMN_INCHES[2]} inches wide.",
     )
     width: float | None = Field(default=None, ge=1.0, le=60.0, description="Inches.")
     height: float | None = Field(default=None, ge=1.0, le=60.0, description="Inches.")
-    font_size: float = Field(default=8.0, ge=4.0, le=24.0, description="Points.")
+    font_size: float = Field(default=8.0, ge=4.0, le=24.0, description="Size in points.")
     font_family: FontFamily = "sans-serif"
     title: bool = True
     caption: bool = Field(default=True, description="What the figure shows, in words, below it.")
@@ -82,7 +86,7 @@ class FigureQuery(BaseModel):
 
     @property
     def design(self) -> Design:
-        """The look that is asked for."""
+        """The look that the query states."""
         return Design(
             environments=tuple(self.environment),
             labels=tuple(self.entry),
@@ -108,7 +112,7 @@ class FigureQuery(BaseModel):
         )
 
     def faults(self, comparison: Comparison) -> Iterator[Fault]:
-        """Yield what it asks for that the sweep does not have."""
+        """Yield what the query names and the sweep does not have."""
         labels = [entry.label for entry in comparison.entries]
         tasks = [panel.environment for panel in comparison.panels]
         yield from _unknown("environment", self.environment, tasks)
@@ -117,9 +121,9 @@ class FigureQuery(BaseModel):
         yield from _unknown("colour", list(_pairs(self.colour)), labels)
         for axis, low, high in (("xmax", self.xmin, self.xmax), ("ymax", self.ymin, self.ymax)):
             if low is not None and high is not None and low >= high:
-                yield Fault(axis, f"is {high:g}, not above {axis[0]}min, {low:g}", low)
+                yield Fault(axis, f"is {high:g}, but must be above {axis[0]}min, {low:g}", low)
         if self.width and self.columns:
-            yield Fault("width", "leave it out, or columns: both say how wide the figure is")
+            yield Fault("width", "leave out width or columns: each sets the width of the figure")
 
 
 def _pairs(texts: Sequence[str]) -> Mapping[str, str]:

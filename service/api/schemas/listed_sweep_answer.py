@@ -76,8 +76,10 @@ class ListedSweepAnswer(SweepHead):
     environments: list[str]
     entry_count: int = Field(description="How many entries it compares.")
     seeds: int = Field(description="How many seeds each curve has.")
-    timesteps: int | None = Field(description="Of a run, as submitted; null: the presets'.")
-    best: BestAnswer | None = Field(description="null until all runs of some curve are at the end.")
+    timesteps: int | None = Field(
+        description="Timesteps of a run, as submitted; null: the presets'."
+    )
+    best: BestAnswer | None = Field(description="null until all runs of a curve reached their end.")
 
     @classmethod
     def of(cls, sweep: Sweep, best: Best | None, outline: Sequence[float]) -> Self:

@@ -1,4 +1,4 @@
-"""Numbers in JSON, which has no NaN and no infinity: null stands where one is not finite.
+"""Numbers in JSON, which has no NaN and no infinity: null stands for a number that is not finite.
 
 And what else JSON cannot say.
 """

@@ -29,23 +29,23 @@ class PageQuery(BaseModel):
 
     limit: int = Field(default=DEFAULT_LIMIT, ge=1, le=MAX_LIMIT)
     after: str | None = Field(
-        default=None, max_length=200, description="`next` of the page before."
+        default=None, max_length=200, description="`next` of the previous page."
     )
 
 
 def read_cursor(cursor: str | None) -> str | None:
-    """Return the id in a cursor. Raises InvalidRequest for one that no page gave out."""
+    """Return the id in a cursor. Raises InvalidRequest for anything else."""
     if cursor is None:
         return None
     try:
         return base64.b64decode(cursor, altchars=b"-_", validate=True).decode("ascii")
     except ValueError as error:  # of which binascii.Error is one
-        fault = Fault("after", "is not a cursor: take `next` of the page before, as it is")
+        fault = Fault("after", "is not a cursor: use `next` of the previous page, unchanged")
         raise InvalidRequest([fault]) from error
 
 
 def page_of(items: Sequence[Item], limit: int, request: Request, response: Response) -> Page[Item]:
-    """Return the page of `limit + 1` items asked of the store: the last one tells of a next page.
+    """Return the page of `limit + 1` items from the store: the last one means a next page.
 
     Items have an `id`. The Link header (RFC 8288) says where the next page is.
     """

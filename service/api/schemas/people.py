@@ -14,7 +14,7 @@ MAX_SHARED = 50
 MAX_PAGE = 1000
 MAX_DAYS = 365
 DAYS = 7
-TOKEN_TEXT = "Shown this once: the service keeps only its SHA-256."  # noqa: S105 - a text
+TOKEN_TEXT = "Shown only this once: the service keeps only its SHA-256."  # noqa: S105 - a text
 SHARE_EXAMPLE: dict[str, Any] = {
     "id": "5be1a40c92d7",
     "sweeps": ["3f9a0c51b7de"],
@@ -27,14 +27,14 @@ SHARE_EXAMPLE: dict[str, Any] = {
 
 def _user_name(value: str) -> str:
     if value == ADMINISTRATOR:
-        raise ValueError("is the name of whoever has the service's own token")
+        raise ValueError("is reserved for the service's own token: choose another name")
     return value
 
 
 def _page(value: str) -> str:
     is_ours = value.startswith("/") and value[1:2] not in {"/", "\\"} and value.isprintable()
     if not is_ours:
-        raise ValueError("is no page of this service: write its path, such as /compare?sweep=ID")
+        raise ValueError("is not a page of this service: write its path, such as /compare?sweep=ID")
     return value
 
 
@@ -55,12 +55,12 @@ class UserRequest(Request):
     scope: Scope = Field(
         strict=False,
         description="metrics: reads /metrics alone; read: reads everything; submit: submits too, "
-        "and changes what is its own; admin: changes everything, makes users.",
+        "and changes its own sweeps; admin: changes everything, makes users.",
     )
 
 
 class UserAnswer(BaseModel):
-    """Somebody with a token of their own."""
+    """A user with a token of their own."""
 
     model_config = ConfigDict(
         json_schema_extra={
@@ -122,7 +122,7 @@ class ShareRequest(Request):
     sweeps: Annotated[
         list[Name], Field(min_length=1, max_length=MAX_SHARED), AfterValidator(distinct)
     ] = Field(description="Their ids.")
-    days: int = Field(default=DAYS, ge=1, le=MAX_DAYS, description="Until it expires.")
+    days: int = Field(default=DAYS, ge=1, le=MAX_DAYS, description="Days until it expires.")
     page: PageText | None = Field(
         default=None,
         description="The page that the link opens, with its view; by default that of the sweep, or "
@@ -140,7 +140,7 @@ class ShareRequest(Request):
 
 
 class ShareAnswer(BaseModel):
-    """A link that lets whoever has it read some sweeps, for a time."""
+    """A link by which anybody can read some sweeps, for a time."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [SHARE_EXAMPLE]})
 
@@ -175,7 +175,7 @@ class NewShareAnswer(ShareAnswer):
         }
     )
 
-    link: str = Field(description="What to send. Shown this once.")
+    link: str = Field(description="The link to send. Shown only this once.")
 
 
 class SignInRequest(Request):
@@ -187,7 +187,7 @@ class SignInRequest(Request):
 
 
 class SignInAnswer(BaseModel):
-    """A link that signs a browser in as whoever asked for it."""
+    """A link that signs a browser in as the caller."""
 
     model_config = ConfigDict(
         json_schema_extra={
@@ -195,8 +195,8 @@ class SignInAnswer(BaseModel):
         }
     )
 
-    link: str = Field(description="Good once.")
-    seconds: int = Field(description="For how long.")
+    link: str = Field(description="It is valid once.")
+    seconds: int = Field(description="For how long it is valid.")
 
 
 class SessionAnswer(BaseModel):
@@ -217,7 +217,7 @@ class SessionAnswer(BaseModel):
     )
 
     id: str
-    name: str = Field(description="Of whoever signed in.")
+    name: str = Field(description="Name of the user who signed in.")
     browser: str = Field(description="As it called itself.")
     created_at: Moment
     expires_at: Moment

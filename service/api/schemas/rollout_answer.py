@@ -13,7 +13,7 @@ Row = list[float]
 
 
 class RolloutRequest(Request):
-    """An episode from a start of one's own."""
+    """An episode from a given start."""
 
     model_config = ConfigDict(
         json_schema_extra={"examples": [{"run": "3f9a0c51b7de-17", "start": [3.14159, 0.0]}]}
@@ -30,7 +30,9 @@ class RolloutQuery(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    seed: int = Field(default=0, ge=0, le=MAX_SEED, description="Of the start that the task draws.")
+    seed: int = Field(
+        default=0, ge=0, le=MAX_SEED, description="Seed of the start that the task draws."
+    )
 
 
 class StyleAnswer(BaseModel):
@@ -38,7 +40,7 @@ class StyleAnswer(BaseModel):
 
     shape: Literal["capsule", "polygon"]
     role: Role
-    radius: float = Field(description="Of a capsule, in metres.")
+    radius: float = Field(description="Radius of a capsule, in metres.")
 
 
 class SurfaceAnswer(BaseModel):
@@ -77,18 +79,18 @@ class RolloutAnswer(BaseModel):
 
     environment: str
     timestep: int = Field(description="How far the run had trained when this policy was written.")
-    dt: float = Field(description="Seconds of a step, to play it by.")
+    dt: float = Field(description="Seconds of a step, for playback.")
     states: list[Row] = Field(description="[T + 1, n]")
     actions: list[Row] = Field(description="[T, m], within the box.")
     rewards: Row = Field(description="[T]")
     terminated: bool = Field(description="Whether the task ended it, not the time limit.")
     contacts: list[list[Row]] = Field(
-        description="Of each step the impulses that contacts gave: x, y (m), px, py (N s)."
+        description="The impulses of contacts in each step: x, y (m), px, py (N s)."
     )
     surface: SurfaceAnswer | None = Field(description="Null for other tasks than MassPoint.")
     styles: list[StyleAnswer]
     frames: list[list[Row]] = Field(
-        description="Of each state its shapes, painted in order: style, x, y, x, y, ... in metres."
+        description="Shapes of each state, in painting order: style, x, y, x, y, ... in metres."
     )
     views: list[Row] = Field(
         description="Left, bottom, right, top of each frame; a single one where all are the same."

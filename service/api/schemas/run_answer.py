@@ -72,7 +72,7 @@ class RunAnswer(BaseModel):
 
     id: str
     sweep_id: str
-    label: str = Field(description="The name of the entry of its sweep's request that it is of.")
+    label: str = Field(description="Name of its entry in the request of its sweep.")
     algorithm: str
     environment: str
     environment_version: int
@@ -93,10 +93,10 @@ class RunAnswer(BaseModel):
         "differed, whose bits the curve begins with."
     )
     resumed_timestep: int | None = Field(
-        description="Where the current attempt took the run up; null until its worker says."
+        description="Timestep where the current attempt took over; null until its worker reports."
     )
-    checkpoint_timestep: int = Field(description="Of its newest checkpoint; 0 where it has none.")
-    memory_bytes: int | None = Field(description="What it may come to fill in its worker.")
+    checkpoint_timestep: int = Field(description="Of its newest checkpoint; 0 if it has none.")
+    memory_bytes: int | None = Field(description="Memory that it may need in its worker.")
     worked_seconds: float | None = Field(
         description="How long workers have worked on it, in its attempts that have ended."
     )
@@ -187,8 +187,8 @@ class AttemptAnswer(BaseModel):
     started_at: Moment
     ended_at: Moment | None
     fingerprint: Mapping[str, Any] | None
-    resumed_timestep: int | None = Field(description="Where it took the run up.")
-    note: str = Field(description="What there was to say of its checkpoints; mostly empty.")
+    resumed_timestep: int | None = Field(description="Timestep where it took over.")
+    note: str = Field(description="A remark on its checkpoints; mostly empty.")
 
     @classmethod
     def of(cls, attempt: Attempt) -> Self:

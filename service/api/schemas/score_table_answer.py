@@ -93,7 +93,7 @@ class ScoreTableAnswer(Tabular):
     sweep: str
     score: Score
     normalized: bool
-    decimals: int = Field(description="Digits after the point that bold type goes by.")
+    decimals: int = Field(description="Digits after the point that decide on bold type.")
     definition: str = Field(description="What the table shows, in words.")
     environments: list[str]
     rows: list[RowAnswer]
@@ -140,7 +140,7 @@ def score_table_csv(table: ScoreTable) -> str:
 
 
 def inert(text: str) -> str:
-    """Return text as a spreadsheet shows it and never runs it: a formula gets a quote in front."""
+    """Return text that a spreadsheet shows and never runs: a formula gets a quote in front."""
     return f"'{text}" if text.startswith(FORMULA_STARTS) else text
 
 

@@ -77,7 +77,7 @@ class IncompleteAnswer(BaseModel):
     label: str
     n: int
     runs: int
-    unfinished: dict[str, int] = Field(description="The others by status.")
+    unfinished: dict[str, int] = Field(description="The other runs, by status.")
 
 
 class IQMAnswer(EstimateAnswer):
@@ -100,12 +100,12 @@ class IQMsAnswer(Tabular):
 
 
 class ImprovementAnswer(BaseModel):
-    """How probably x beats y."""
+    """The probability that x beats y."""
 
     x: str
     y: str
     all_pairs: EstimateAnswer
-    same_seeds: EstimateAnswer | None = Field(description="null where a task has no such pair.")
+    same_seeds: EstimateAnswer | None = Field(description="null if a task has no such pair.")
 
 
 class ImprovementsAnswer(Tabular):

@@ -1,4 +1,4 @@
-"""A sweep, and what one would be, as answers show them."""
+"""A sweep, and a dry run of one, as answers show them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
@@ -23,7 +23,7 @@ from service.model.request.entry import Entries
 from service.model.request.plan import Plan
 from service.model.sweep import RunCounts, Sweep, SweepStatus
 
-NOTICES_TEXT = "What whoever submits should know; empty in any other answer."
+NOTICES_TEXT = "Notices on a submission; empty in any other answer."
 NOTICE = (
     "algorithms[1] (hybrid-ddpg) has the weights (0, 0) in Pendulum: without gradient terms it is "
     "ddpg, bit for bit, and says nothing of gradient matching. It repeats algorithms[0]."
@@ -33,7 +33,7 @@ NOTICE = (
 class CellAnswer(BaseModel):
     """What the runs of one curve share."""
 
-    label: str = Field(description="The name of its entry of the request.")
+    label: str = Field(description="Name of its entry in the request.")
     algorithm: str
     environment: str
     weights: WeightsAnswer
@@ -54,7 +54,7 @@ class EntryAnswer(BaseModel):
 
 
 class RunCountsAnswer(BaseModel):
-    """How many runs stand where."""
+    """The number of runs by status."""
 
     total: int
     queued: int
@@ -72,11 +72,11 @@ class RunCountsAnswer(BaseModel):
 
 
 class CostAnswer(BaseModel):
-    """What runs will cost, and how that is known."""
+    """The estimated cost of runs, and its basis."""
 
-    core_seconds: float | None = Field(description="Of all seeds together; null: not known.")
-    basis: Basis = Field(description="Which finished runs it is learnt from.")
-    runs: int = Field(description="How many those are.")
+    core_seconds: float | None = Field(description="Of all seeds together; null if not known.")
+    basis: Basis = Field(description="Which finished runs the estimate is based on.")
+    runs: int = Field(description="The number of those runs.")
 
 
 class PlannedCellAnswer(CellAnswer):
@@ -86,7 +86,7 @@ class PlannedCellAnswer(CellAnswer):
 
 
 class EstimateOfCostAnswer(BaseModel):
-    """What all cells of known cost will take together."""
+    """The estimated cost of all cells of known cost together."""
 
     core_seconds: float | None
     wall_seconds: float | None = Field(
@@ -97,7 +97,7 @@ class EstimateOfCostAnswer(BaseModel):
 
 
 class DryRunAnswer(BaseModel):
-    """What a submission would queue, and about what it would cost."""
+    """What a submission would queue, and its estimated cost."""
 
     model_config = ConfigDict(
         json_schema_extra={
@@ -140,7 +140,9 @@ class DryRunAnswer(BaseModel):
     )
 
     runs: RunCountsAnswer
-    product: str = Field(description="What is multiplied, to how many runs, in about what time.")
+    product: str = Field(
+        description="The product that gives the number of runs, and about how long they take."
+    )
     timesteps: int = Field(description="Environment steps of all runs together.")
     cells: list[PlannedCellAnswer]
     estimate: EstimateOfCostAnswer
@@ -184,16 +186,16 @@ class DryRunAnswer(BaseModel):
 
 
 class WebhookAnswer(BaseModel):
-    """Where the end of a sweep is told, and how that stands."""
+    """The webhook of a sweep, and the state of its delivery."""
 
     url: str
     delivered_at: Moment | None = Field(description="When the latest end was told or given up.")
     tries: int = Field(description="That have failed since the sweep ended.")
-    problem: str = Field(description="Of the last try that failed; empty where it succeeded.")
+    problem: str = Field(description="Why the last try failed; empty if it succeeded.")
 
 
 class SweepHead(BaseModel):
-    """What lists and answers say of a sweep."""
+    """Fields of a sweep that lists and answers share."""
 
     id: str
     name: str
@@ -278,11 +280,13 @@ class SweepAnswer(SweepHead):
 
     notes: str = Field(description="Markdown, shown as text.")
     webhook: WebhookAnswer | None
-    max_workers: int | None = Field(description="That may train its runs at once; null: any.")
-    request: Mapping[str, Any] = Field(
-        description="What was posted, with the seeds and entries that were added since."
+    max_workers: int | None = Field(
+        description="Workers that may train its runs at once; null: any number."
     )
-    entries: list[EntryAnswer] = Field(description="What it compares, in the request's order.")
+    request: Mapping[str, Any] = Field(
+        description="The request, with the seeds and entries that were added since."
+    )
+    entries: list[EntryAnswer] = Field(description="Its entries, in the order of the request.")
     notices: list[str] = Field(description=NOTICES_TEXT)
 
     @classmethod

@@ -80,14 +80,14 @@ def _repeated(values: Mapping[str, Value]) -> list[Fault]:
     """Refuse a value that stands in two fields."""
     first: dict[Value, str] = {}
     return [
-        Fault(field, f"is the same as {first[value]}: every run of a sweep is a different one")
+        Fault(field, f"is the same as {first[value]}: all runs of a sweep must differ")
         for field, value in values.items()
         if first.setdefault(value, field) != field
     ]
 
 
 def _environments_faults(request: SweepRequest) -> Iterator[Fault]:
-    """Refuse an algorithm's environment that is none of the sweep's, or stands there twice."""
+    """Refuse an algorithm's environment that is not one of the sweep's, or is repeated."""
     for i, algorithm in enumerate(request.algorithms):
         own = {
             f"algorithms[{i}].environments[{j}]": name
@@ -96,7 +96,7 @@ def _environments_faults(request: SweepRequest) -> Iterator[Fault]:
         yield from _repeated(own)
         for field, name in own.items():
             if name not in request.environments:
-                yield Fault(field, f"{printable(name)!r} is none of the sweep's environments")
+                yield Fault(field, f"{printable(name)!r} is not one of the sweep's environments")
 
 
 def _known(request: SweepRequest) -> Iterator[tuple[int, AlgorithmRequest, Algorithm]]:
@@ -107,7 +107,7 @@ def _known(request: SweepRequest) -> Iterator[tuple[int, AlgorithmRequest, Algor
 
 
 def label_faults(request: SweepRequest, entries: Iterable[Entry]) -> list[Fault]:
-    """Refuse labels that a request gives and another of its entries has."""
+    """Refuse labels of a request that another of its entries has, too."""
     first: dict[str, Entry] = {}
     taken: dict[str, Entry] = {}
     for entry in entries:
@@ -115,7 +115,7 @@ def label_faults(request: SweepRequest, entries: Iterable[Entry]) -> list[Fault]
             given = entry if request.algorithms[entry.item].label else earlier
             taken.setdefault(f"algorithms[{given.item}].label", given)
     return [
-        Fault(field, f"another entry is called {printable(entry.label)!r} too: give it another one")
+        Fault(field, f"another entry is called {printable(entry.label)!r} too: choose another")
         for field, entry in taken.items()
         if request.algorithms[entry.item].label
     ]
@@ -126,7 +126,7 @@ def _useless_weights(request: SweepRequest, entries: Sequence[Entry]) -> list[Fa
     return [
         Fault(
             f"algorithms[{i}].weights",
-            f"{asked.name} has no gradient terms to weigh: leave the weights out, or 0",
+            f"{asked.name} has no gradient terms to weigh: leave the weights out, or set them to 0",
             0,
         )
         for i, asked, algorithm in _known(request)

@@ -1,4 +1,4 @@
-"""What can be wrong with a grid: lists that go together and are not alike, values given twice."""
+"""What can be wrong with a grid: joint lists of different lengths, and repeated values."""
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -24,13 +24,13 @@ def _zip_faults(
             yield Fault(f"{field}[{j}]", f"{printable(name)!r} is named twice")
         elif any(len(axes.get(name, ())) < 2 for axes in grids):
             known = ", ".join(n for n, values in grids[0].items() if len(values) > 1) or "none"
-            message = f"{printable(name)!r} is no list of this algorithm's (its lists: {known})"
+            message = f"{printable(name)!r} is not a list of this algorithm (its lists: {known})"
             yield Fault(f"{field}[{j}]", message)
     for axes in grids:
         lengths = {name: len(axes[name]) for name in together if name in axes}
         if len(set(lengths.values())) > 1:
             told = ", ".join(f"{name} has {length}" for name, length in lengths.items())
-            yield Fault(field, f"lists that go together have one length: {told}")
+            yield Fault(field, f"lists that advance together must have one length: {told}")
             return
 
 

@@ -20,7 +20,7 @@ from service.store.claiming.growth import Cell
 def growth_plan(
     sweep: Sweep, cells: Sequence[Cell], request: GrowthRequest, worker_memory: int
 ) -> Plan:
-    """Return what an addition trains; of an extension, the timesteps that are added.
+    """Return the plan of an addition; for an extension, of the timesteps that are added.
 
     Raises InvalidRequest, ImpossibleMove.
     """
@@ -51,7 +51,7 @@ def _plan_of(sweep: Sweep, cells: Sequence[Cell], seeds: Sequence[int]) -> Plan:
 
 
 def _lengthened(cell: Cell, timesteps: int) -> Cell:
-    """The cell with those timesteps alone that it lacks."""
+    """The cell with only the timesteps that it lacks."""
     spec = replace(cell.spec, timesteps=timesteps - cell.spec.timesteps)
     return cell._replace(spec=spec)
 
@@ -60,7 +60,7 @@ def check_seeds(sweep: Sweep, cells: Sequence[Cell], seeds: Sequence[int]) -> No
     """Raise InvalidRequest for seeds that a sweep has, or that make it too large."""
     own = set(seeds_of(sweep.request))
     faults = [
-        Fault(f"seeds[{i}]", f"{seed} is one of its seeds already, or is there twice")
+        Fault(f"seeds[{i}]", f"{seed} is one of its seeds already, or is repeated")
         for i, seed in enumerate(seeds)
         if seed in own or seed in seeds[:i]
     ]
@@ -106,7 +106,8 @@ def check_timesteps(
     _refuse_what_starts_anew(cells)
     if isinstance(sweep.request.get("scale"), list):
         raise ImpossibleMove(
-            "Its entries differ in their share of the timesteps (scale): submit it again with more."
+            "A sweep whose entries differ in their share of the timesteps (scale) cannot be "
+            "extended: submit it again with more timesteps."
         )
     faults = list(_short(cells, timesteps))
     entries = Entries(sweep.request).all
@@ -123,7 +124,7 @@ def _refuse_what_starts_anew(cells: Sequence[Cell]) -> None:
     if stuck:
         raise ImpossibleMove(
             f"Runs of {', '.join(stuck)} cannot go on from where they ended: what they do depends "
-            "on how many timesteps they are to have. Submit them again with more."
+            "on their number of timesteps. Submit them again with more timesteps."
         )
 
 
@@ -132,5 +133,5 @@ def _short(cells: Sequence[Cell], timesteps: int) -> Iterator[Fault]:
         return  # it was asked for before
     most = max(cells, key=lambda cell: cell.spec.timesteps).spec
     if timesteps <= most.timesteps:
-        message = f"is not more than the {most.timesteps} of its runs in {most.environment}"
+        message = f"must be more than the {most.timesteps} of its runs in {most.environment}"
         yield Fault("timesteps", message, most.timesteps)

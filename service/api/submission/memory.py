@@ -17,15 +17,15 @@ def memory_faults(cells: Iterable[tuple[Entry, RunSpec]], worker_memory: int) ->
         needed = memory_of(cell)
         if needed <= worker_memory:
             continue
-        what = f"a run of {cell.algorithm} on {cell.environment} comes to fill {_text(needed)}"
+        what = f"a run of {cell.algorithm} on {cell.environment} needs up to {_text(needed)}"
         limit = f"the runs of a worker may fill {_text(worker_memory)} ({SETTING})"
         a_step = memory_of(replace(cell, timesteps=1))
         if a_step < needed:  # it grows with the timesteps
             most = worker_memory // a_step
             advice = f"ask for at most {most:,} timesteps, or set its replay_size to no more"
-            yield Fault("timesteps", f"{what} with {entry.field}, and {limit}: {advice}", most)
+            yield Fault("timesteps", f"{what} with {entry.field}, but {limit}: {advice}", most)
         else:
-            yield Fault(entry.field, f"{what}, and {limit}", worker_memory)
+            yield Fault(entry.field, f"{what}, but {limit}", worker_memory)
 
 
 def _text(size: int) -> str:

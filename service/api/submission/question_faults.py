@@ -1,4 +1,4 @@
-"""What can be wrong with a sweep's question, and what whoever asks it should know."""
+"""What can be wrong with a sweep's question, and notices for its author."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -29,15 +29,15 @@ def question_faults(question: Question | None, entries: Entries) -> Iterator[Fau
         )
         yield Fault("seeds", message)
     if question.margin >= question.clip:
-        message = f"is to be below question.clip ({question.clip:g}): no difference counts as more"
+        message = f"must be below question.clip ({question.clip:g}), which limits all differences"
         yield Fault("question.margin", message, question.clip)
     if question.max_seeds < len(question.first):
-        message = f"is below the sweep's own {len(question.first)} seeds: ask for as many at least"
+        message = f"is below the sweep's own {len(question.first)} seeds: give at least that many"
         yield Fault("question.max_seeds", message, len(question.first))
     if question.looks > MAX_LOOKS:
         fewest = -(-(question.max_seeds - len(question.first)) // (MAX_LOOKS - 1))
         message = (
-            f"would be {question.looks} looks, of at most {MAX_LOOKS}: ask for {fewest} or more"
+            f"would take {question.looks} looks, of at most {MAX_LOOKS}: give {fewest} or more"
         )
         yield Fault("question.batch", message, fewest)
     if max(question.seeds(question.looks)) > MAX_SEED:
@@ -104,7 +104,7 @@ def _label_faults(question: Question, entries: Entries) -> Iterator[Fault]:
         if both <= {*labels} and not _share_a_task(both, entries):
             yield Fault(
                 field,
-                f"{printable(label)!r} and {printable(question.against)!r} run in no task both",
+                f"{printable(label)!r} and {printable(question.against)!r} have no task in common",
             )
 
 
@@ -114,7 +114,7 @@ def _share_a_task(labels: set[str], entries: Entries) -> bool:
 
 
 def _unreachable(question: Question, compared: int) -> Iterator[str]:
-    """Tell where the budget has not enough seeds to find even equal entries equivalent."""
+    """Tell if the budget has too few seeds to find even equal entries equivalent."""
     fewest = fewest_to_equivalence(question, compared)
     if fewest is not None and fewest <= question.max_seeds:
         return

@@ -1,4 +1,4 @@
-"""The route that takes sweeps: it tells all mistakes at once, of form and of meaning."""
+"""The route that takes sweeps: it lists all mistakes at once, of form and of meaning."""
 
 from collections.abc import Callable, Coroutine, Iterator
 from copy import deepcopy

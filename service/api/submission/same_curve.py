@@ -1,8 +1,8 @@
-"""Entries that come to the same curve, once presets are filled in and numbers compared as such.
+"""Entries that have the same curve once presets are filled in and numbers are compared.
 
 Two entries that are one cell in an environment are refused: its seeds would be counted twice. A
 hybrid whose weights are (0, 0) is another cell than the algorithm it extends, and bit for bit its
-curve: whoever submits one is told.
+curve: a notice says so.
 """
 
 from collections.abc import Hashable, Iterable, Sequence

@@ -1,4 +1,4 @@
-"""A sweep's search: what it will do, or why it cannot, and what whoever asks should know."""
+"""A sweep's search: its plan, or why it is refused, and notices for its author."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -23,28 +23,31 @@ Cells = Sequence[tuple[Entry, RunSpec]]
 
 
 def search_faults(request: SweepRequest, cells: Cells) -> Iterator[Fault]:
-    """Refuse what cannot be searched; of the budget, `planned_search` tells."""
+    """Refuse what cannot be searched; `planned_search` checks the budget."""
     if request.search is None:
         return
     if request.question is not None:
-        yield Fault("search", "a sweep either searches or asks: ask in another one, on other seeds")
+        yield Fault(
+            "search",
+            "a sweep has a search or a question, not both: ask in another sweep, on other seeds",
+        )
     given = request.seeds
     is_own = isinstance(given, int) or all(map(chooses, given))
     if not is_own or _fewest(given) < FEWEST_SEEDS:
         message = (
-            f"a search takes seeds of its own: give how many each entry is to have at least, "
-            f"{FEWEST_SEEDS} or more, or {FEWEST_SEEDS} or more of those that are kept for "
-            f"choosing settings ({seeds_text(PRESETS)}; {seeds_text(SEARCHES)})"
+            f"a search takes seeds of its own: give the least number of seeds of each entry, "
+            f"{FEWEST_SEEDS} or more, or a list of {FEWEST_SEEDS} or more seeds that are reserved "
+            f"for choosing settings ({seeds_text(PRESETS)}; {seeds_text(SEARCHES)})"
         )
         yield Fault("seeds", message, FEWEST_SEEDS)
     if isinstance(request.scale, list):
-        yield Fault("scale", "the entries of a search are equally long: give one share")
+        yield Fault("scale", "all entries of a search have equal timesteps: give one share")
     for task, own in _by_task(cells).items():
         yield from _task_faults(task, own, request.search)
 
 
 def planned_search(request: SweepRequest, cells: Cells) -> Search | None:
-    """Return the search that a sweep asks for. Raises InvalidRequest where its budget is too small.
+    """Return the search that a sweep asks for. Raises InvalidRequest if its budget is too small.
 
     The cells are as long as the sweep's runs can get.
     """
@@ -71,7 +74,7 @@ def planned_search(request: SweepRequest, cells: Cells) -> Search | None:
 
 
 def first_rung(cells: Cells, search: Search | None) -> Cells:
-    """Return the cells of a sweep as they are to begin."""
+    """Return the cells of a sweep as they begin."""
     if search is None:
         return cells
     seed = search.seeds[0]
@@ -101,7 +104,7 @@ def search_notices(search: Search | None) -> Iterator[str]:
 
 
 def _fewest(seeds: int | list[int]) -> int:
-    """Return how many seeds each entry is to have at least."""
+    """Return the least number of seeds of each entry."""
     return seeds if isinstance(seeds, int) else len(seeds)
 
 
@@ -112,7 +115,7 @@ def _by_task(cells: Cells) -> dict[str, list[RunSpec]]:
 def _task_faults(task: str, cells: Sequence[RunSpec], search: SearchRequest) -> Iterator[Fault]:
     """Refuse a task whose entries cannot be compared, rung by rung."""
     if len(cells) < 2:
-        message = f"there is one entry in {task}, and nothing to choose: give more, or lists"
+        message = f"there is only one entry in {task}: give more entries, or lists of values"
         yield Fault("search", message)
     lengths = {cell.timesteps: cell.algorithm for cell in cells}
     if len(lengths) > 1:

@@ -1,1 +1,1 @@
-"""The commands of whoever runs the service: on this machine, beside or around the service."""
+"""The commands of the operator of a service, which run on its machine."""

@@ -1,4 +1,4 @@
-"""The checks of `d3pg doctor`: each finds something out and changes nothing."""
+"""The checks of `d3pg doctor`; they change nothing."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Finding:
 
 
 def examine() -> Iterator[Finding]:
-    """Check one thing after the other; what depends on settings only where they can be read."""
+    """Run all checks in order; those that need settings only if the settings are valid."""
     yield check_python(sys.version_info[:3])
     for library, series in LIBRARIES.items():
         yield check_library(library, series)
@@ -98,9 +98,7 @@ def reinstall(name: str) -> str:
 def check_memory(available: float) -> Finding:
     """Whether a Ray and its workers fit into the free memory [bytes]."""
     found = f"{available / 1e9:.1f} GB free"
-    advice = (
-        "A worker takes some 0.5 GB, Ray itself 0.7 GB: end other programs, or lower D3PG_WORKERS."
-    )
+    advice = "A worker needs about 0.5 GB, Ray 0.7 GB: end other programs, or lower D3PG_WORKERS."
     if available < LEAST_MEMORY:
         return Finding("memory", "failed", found, advice)
     if available < SCARCE_MEMORY:
@@ -121,7 +119,7 @@ def check_disk(data_dir: Path) -> Finding:
         each for each in (data_dir.absolute(), *data_dir.absolute().parents) if each.exists()
     )
     if not os.access(place, os.W_OK | os.X_OK) or not place.is_dir():
-        advice = "Choose another with D3PG_DATA_DIR (--data-dir)."
+        advice = "Choose another directory with D3PG_DATA_DIR (--data-dir)."
         return Finding("disk", "failed", f"{place} cannot be written", advice)
     free = shutil.disk_usage(place).free
     found = f"{free / 1e9:.1f} GB free for {data_dir}"
@@ -134,21 +132,21 @@ def check_disk(data_dir: Path) -> Finding:
 
 
 def check_checkpoints(place: Place) -> Finding:
-    """Whether the place of the checkpoints can be looked into."""
+    """Whether the place of the checkpoints can be read."""
     try:
         folder_in(place, "d3pg-doctor").names()
     except OSError as trouble:
-        advice = "Runs train meanwhile, but from the start again where they are interrupted."
+        advice = "Runs still train, but an interrupted run begins again from the start."
         return Finding("checkpoints", "failed", f"{place}: {trouble.strerror}", advice)
-    return Finding("checkpoints", "ok", f"{place} can be looked into from here")
+    return Finding("checkpoints", "ok", f"{place} can be read from here")
 
 
 def check_token(file: Path) -> Finding:
     """Whether the token file, if there is one, is its owner's alone."""
     if not file.exists():
-        return Finding("token", "ok", "the first start of the service makes one")
+        return Finding("token", "ok", "none yet: the first start of the service makes one")
     if file.stat().st_mode & 0o077:
-        advice = f"chmod 600 {file}, or delete it if somebody else has read it."
+        advice = f"Run chmod 600 {file}, or delete it if somebody else has read it."
         return Finding("token", "failed", f"{file} can be read by other users", advice)
     return Finding("token", "ok", f"{file}, readable by its owner alone")
 
@@ -167,7 +165,7 @@ def check_database(url: str | URL) -> Finding:
     except RefusalError as error:
         return Finding("database", "failed", shown, str(error))
     except SQLAlchemyError as error:
-        general = f"{GENERAL} A database of ours is made by `d3pg serve`."
+        general = f"{GENERAL} `d3pg serve` makes a new database."
         known = advice(address, error)
         return Finding("database", "failed", f"{shown}: {reason_of(error)}", known or general)
     return Finding("database", "ok", f"{shown}, {runs} runs")
@@ -199,11 +197,11 @@ def check_port(settings: Settings) -> Finding:
             return running_service(where, client.readiness())
     except ServiceError:
         advice = "Choose another port with D3PG_PORT (--port), or end what listens there."
-        return Finding("port", "failed", f"{where} cannot be had: {refusal}", advice)
+        return Finding("port", "failed", f"{where} cannot be used: {refusal}", advice)
 
 
 def running_service(where: str, readiness: ReadinessAnswer) -> Finding:
-    """What a service that already runs says of itself."""
+    """The readiness of a service that already runs."""
     problems = [check.problem for check in readiness.checks if check.problem]
     if not problems:
         return Finding("port", "ok", f"the service runs at {where} and is ready")

@@ -1,4 +1,4 @@
-"""`d3pg db`: the service's database, for those who look after it."""
+"""`d3pg db`: maintenance of the service's database."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ from service.store.upkeep.transfer import transfer
 
 app = typer.Typer(
     name="db",
-    help="The database: bring it up to date, check it, copy it, back it up.",
+    help="Upgrade, check, copy or back up the database.",
     no_args_is_help=True,
 )
 Database = Annotated[
     str | None,
-    typer.Option("--database-url", help="Its SQLAlchemy URL; the service's if unset."),
+    typer.Option("--database-url", help="SQLAlchemy URL of the database; the service's if unset."),
 ]
 UPGRADING = "Upgrading the tables: some 10 s for each million measurements"
 REFUSALS = (RefusalError, FileExistsError, FileNotFoundError, TransferError)
@@ -40,18 +40,18 @@ REFUSALS = (RefusalError, FileExistsError, FileNotFoundError, TransferError)
 
 @app.command()
 def upgrade(database_url: Database = None, as_json: AsJson = False) -> None:
-    """Bring the tables to this version's. The service does so by itself as it starts."""
+    """Upgrade the tables to those of this version. The service does so when it starts."""
     url = _url(database_url)
     waiting = Console(stderr=True).status(UPGRADING)
     with _refusing(), _alone(url), _opened(url, "writer", is_new=True) as engine, waiting:
         migration.upgrade(engine)
     said = {"database": url.render_as_string(hide_password=True), "is_upgraded": True}
-    say(json.dumps(said) if as_json else "The tables are this version's.")
+    say(json.dumps(said) if as_json else "The tables are those of this version.")
 
 
 @app.command()
 def check(database_url: Database = None, as_json: AsJson = False) -> None:
-    """Check that the database is whole, also while the service works; exit code 1 if it is not."""
+    """Check that the database is intact, even while the service runs; exit code 1 if it is not."""
     with _refusing(), _opened(_url(database_url), "reader") as engine:
         migration.refuse_outdated(engine)
         with engine.connect() as connection:
@@ -74,11 +74,15 @@ def _say_checks(checks: Iterable[integrity.Check]) -> None:
 
 @app.command()
 def copy(
-    source: Annotated[str, typer.Argument(metavar="FROM_URL", help="Stop its service first.")],
-    target: Annotated[str, typer.Argument(metavar="TO_URL", help="An empty database.")],
+    source: Annotated[
+        str, typer.Argument(metavar="FROM_URL", help="Database to copy; stop its service first.")
+    ],
+    target: Annotated[
+        str, typer.Argument(metavar="TO_URL", help="An empty database to copy into.")
+    ],
     as_json: AsJson = False,
 ) -> None:
-    """Copy everything into another database, and prove it by counts and hashes of every table."""
+    """Copy everything into another database, and compare counts and hashes of every table."""
     with (
         _refusing(),
         _alone(source, target),
@@ -108,14 +112,16 @@ def copy(
 
 @app.command()
 def backup(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="A new file.")],
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write; it must not exist.")],
     database_url: Database = None,
     as_json: AsJson = False,
 ) -> None:
-    """Write a backup of a SQLite database, also while the service works."""
+    """Write a backup of a SQLite database, even while the service runs."""
     url = _url(database_url)
     if url.get_backend_name() != "sqlite":
-        raise typer.BadParameter("back PostgreSQL up with its own pg_dump", param_hint="FILE")
+        raise typer.BadParameter(
+            "this backs up SQLite alone: use pg_dump for PostgreSQL", param_hint="FILE"
+        )
     with _refusing(), _opened(url, "reader") as engine:
         backups.backup(engine, file)
     say(json.dumps({"file": str(file)}) if as_json else f"Wrote {file}")
@@ -127,7 +133,7 @@ def _url(database_url: str | None) -> URL:
 
 @contextmanager
 def _opened(url: str | URL, role: Role, *, is_new: bool = False) -> Iterator[Engine]:
-    """Raises FileNotFoundError rather than make a SQLite database by looking for it."""
+    """Yield an engine. Raises FileNotFoundError instead of making a missing SQLite database."""
     file = _sqlite_file(url)
     if file is not None and not is_new and not file.exists():
         raise FileNotFoundError(f"there is no database {file}")

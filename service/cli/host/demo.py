@@ -25,7 +25,7 @@ DEMO_SWEEP: dict[str, Any] = {
 
 
 def run(*, once: bool, as_json: bool) -> int:
-    """Run the demo; the exit code. Ctrl-C, or with `once` the sweep's end, ends the service."""
+    """Run the demo; return the exit code. Ctrl-C, or with `once` the end of the sweep, ends it."""
     told = errors if as_json else console
     told.print("Starting the service and a local Ray ...")
     try:

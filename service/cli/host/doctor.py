@@ -1,4 +1,4 @@
-"""`d3pg doctor`: whether everything the service needs is here, and what to do where it is not."""
+"""`d3pg doctor`: check everything that the service needs, and say what to do if it is missing."""
 
 from __future__ import annotations
 
@@ -42,16 +42,12 @@ def doctor(as_json: AsJson = False) -> None:
         listed = [FindingAnswer(**asdict(finding)) for finding in findings]
         print_json(DoctorAnswer(is_healthy=not failed, findings=listed))
     else:
-        say(
-            f"{failed} of {len(findings)} checks failed."
-            if failed
-            else "All that is needed is here."
-        )
+        say(f"{failed} of {len(findings)} checks failed." if failed else "All checks passed.")
     raise typer.Exit(1 if failed else 0)
 
 
 def say_finding(finding: Finding) -> None:
-    """Print a line, and one of advice where there is some."""
+    """Print a finding, and its advice on a second line if it has any."""
     line = Text.assemble(
         (f"{finding.verdict:<8} ", STYLES[finding.verdict]), f"{finding.check:<9} {finding.found}"
     )

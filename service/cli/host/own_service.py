@@ -1,7 +1,7 @@
-"""A service of the command's own: a child process, ended with the command.
+"""A service that a command starts for itself: a child process that ends with the command.
 
-Its database, log and checkpoints are kept in the data directory, and whoever starts the next one
-there goes on with what is queued.
+Its database, log and checkpoints stay in the data directory. The next service that is started there
+goes on with what is queued.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ STOP_SECONDS = 20.0
 def own_service() -> Iterator[tuple[Client, subprocess.Popen[bytes]]]:
     """A client of a service started here, and its process; ended with the block.
 
-    SIGTERM and SIGHUP become KeyboardInterrupt, so that the service goes with the command.
+    SIGTERM and SIGHUP become KeyboardInterrupt, so that the service ends with the command.
     """
     for ending in (signal.SIGTERM, signal.SIGHUP):
         signal.signal(ending, signal.default_int_handler)
@@ -73,7 +73,7 @@ def connect(service: subprocess.Popen[bytes], log: Path) -> Client:
 
 
 def stop(service: subprocess.Popen[bytes]) -> None:
-    """End the service as Ctrl-C would; kill it only if it does not go."""
+    """End the service as Ctrl-C would; kill it only if it does not exit."""
     if service.poll() is None:
         service.send_signal(signal.SIGINT)
     try:

@@ -1,6 +1,6 @@
-"""`d3pg serve`: the service itself. Its flags are the settings' fields, but for those with secrets.
+"""`d3pg serve`: run the service. Its flags are the fields of the settings, except for secrets.
 
-A flag stands in the shell's history and in the list of processes, where others read it.
+Others can read flags in the shell's history and in the list of processes.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from service.settings import Settings, variable_of
 def serve(as_json: bool = False, **given: object) -> None:
     """Run the service here, until Ctrl-C. Each option is also an environment variable.
 
-    Prints a link that signs a browser in; with --json, a line with that, its address and its data
-    directory.
+    Prints a link that signs a browser in; with --json, one line with the link, the address and the
+    data directory.
     """
     said = {
         variable_of(name): _text(value) for name, value in given.items() if value not in (None, [])
@@ -42,7 +42,7 @@ def _text(value: object) -> str:
 
 
 def _flag(name: str, field: FieldInfo) -> Parameter:
-    """Return the flag of a setting, unset by default: what it sets is judged by the service."""
+    """Return the flag of a setting, unset by default; the service checks its value."""
     kinds: dict[Any, Any] = {int: int, Path: Path, Path | None: Path}
     kind = kinds.get(field.annotation, str)
     if field.annotation == tuple[Path, ...]:

@@ -18,11 +18,15 @@ app = typer.Typer(name="sessions", help="Browsers that are signed in: list, end.
 def signin(
     sweep_id: Annotated[
         str | None,
-        typer.Argument(metavar="[SWEEP]", help="Open its page.", autocompletion=complete_sweep),
+        typer.Argument(
+            metavar="[SWEEP]",
+            help="Sweep whose page the link opens.",
+            autocompletion=complete_sweep,
+        ),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Print a link that signs a browser in as you, once, within ten minutes."""
+    """Print a link that signs one browser in as you, within ten minutes."""
     page = "/" if sweep_id is None else f"/sweeps/{whole_id(sweep_id)}"
     with Client() as client:
         answer = client.sign_in_link(page)
@@ -35,7 +39,7 @@ def signin(
 
 @app.callback(invoke_without_command=True)
 def sessions(context: typer.Context, as_json: AsJson = False) -> None:
-    """List the browsers that are signed in, an administrator those of all; or end one."""
+    """List your signed-in browsers (an administrator: those of all users), or sign one out."""
     if context.invoked_subcommand is not None:
         return
     with Client() as client:
@@ -60,7 +64,9 @@ def sessions(context: typer.Context, as_json: AsJson = False) -> None:
 
 @app.command()
 def end(
-    session_id: Annotated[str, typer.Argument(metavar="SESSION", help="Its id, of the list.")],
+    session_id: Annotated[
+        str, typer.Argument(metavar="SESSION", help="Id of the session, from the list.")
+    ],
     as_json: AsJson = False,
 ) -> None:
     """Sign a browser out at once."""

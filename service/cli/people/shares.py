@@ -12,12 +12,14 @@ from service.cli.identifiers import SweepIds
 from service.cli.terminal import AsJson, errors, print_json, print_table, say
 from service.client import Client
 
-app = typer.Typer(name="shares", help="Links that others read sweeps by: list, revoke.")
+app = typer.Typer(name="shares", help="Links by which others read sweeps: list, revoke.")
 
 
 def share(
     sweep_ids: SweepIds,
-    days: Annotated[int, typer.Option(min=1, max=MAX_DAYS, help="Until it expires.")] = DAYS,
+    days: Annotated[
+        int, typer.Option(min=1, max=MAX_DAYS, help="Days until the link expires.")
+    ] = DAYS,
     as_json: AsJson = False,
 ) -> None:
     """Make a link by which anybody can read a sweep, or a comparison of several, for some days."""
@@ -28,15 +30,15 @@ def share(
         return
     say(made.link)
     say(
-        f"Whoever has this link can read {', '.join(made.sweeps)} until "
-        f"{made.expires_at:%Y-%m-%d %H:%M} UTC. To take it back: d3pg shares revoke {made.id}",
+        f"Anybody with this link can read {', '.join(made.sweeps)} until "
+        f"{made.expires_at:%Y-%m-%d %H:%M} UTC. To revoke it: d3pg shares revoke {made.id}",
         errors,
     )
 
 
 @app.callback(invoke_without_command=True)
 def shares(context: typer.Context, as_json: AsJson = False) -> None:
-    """List your shares, an administrator those of all; or revoke one."""
+    """List your shares (an administrator: those of all users), or revoke one."""
     if context.invoked_subcommand is not None:
         return
     with Client() as client:
@@ -55,10 +57,12 @@ def shares(context: typer.Context, as_json: AsJson = False) -> None:
 
 @app.command()
 def revoke(
-    share_id: Annotated[str, typer.Argument(metavar="SHARE", help="Its id, of the list.")],
+    share_id: Annotated[
+        str, typer.Argument(metavar="SHARE", help="Id of the share, from the list.")
+    ],
     as_json: AsJson = False,
 ) -> None:
-    """Take a share back at once."""
+    """Revoke a share at once."""
     with Client() as client:
         revoked = client.revoke_share(share_id)
     if as_json:

@@ -13,14 +13,14 @@ from service.client import Client
 from service.model.caller import Scope
 
 app = typer.Typer(
-    name="users", help="Who has a token of their own: list, add, revoke.", no_args_is_help=False
+    name="users", help="Users with a token of their own: list, add, revoke.", no_args_is_help=False
 )
-UserName = Annotated[str, typer.Argument(metavar="NAME", help="Of the user.")]
+UserName = Annotated[str, typer.Argument(metavar="NAME", help="Name of the user.")]
 
 
 @app.callback(invoke_without_command=True)
 def users(context: typer.Context, as_json: AsJson = False) -> None:
-    """List users, those that were revoked too; or add one, or revoke one."""
+    """List users, revoked ones included; add or revoke one."""
     if context.invoked_subcommand is not None:
         return
     with Client() as client:
@@ -48,12 +48,12 @@ def add(
     scope: Annotated[
         Scope,
         typer.Option(
-            help="metrics: /metrics alone; read: everything; submit: one's own sweeps; admin: all."
+            help="metrics: /metrics alone; read: everything; submit: also own sweeps; admin: all."
         ),
     ],
     as_json: AsJson = False,
 ) -> None:
-    """Make a user, and print its token, this once; somebody who was revoked gets another."""
+    """Add a user and print the token, once. A revoked user gets a new token."""
     with Client() as client:
         user = client.add_user(name, scope)
     if as_json:
@@ -61,15 +61,15 @@ def add(
         return
     say(user.token)
     say(
-        f"That is the token of {user.name} ({user.scope.value}), shown this once. It goes into a "
-        "file of mode 600 that D3PG_TOKEN_FILE names, or into the form of the sign-in page.",
+        f"This is the token of {user.name} ({user.scope.value}), shown only once. Write it into "
+        "a file of mode 600 that D3PG_TOKEN_FILE names, or paste it into the sign-in page.",
         errors,
     )
 
 
 @app.command()
 def revoke(name: UserName, as_json: AsJson = False) -> None:
-    """Take a user's token away at once, with its sessions and shares; its sweeps stay."""
+    """Revoke a user at once: token, sessions and shares. The sweeps of the user stay."""
     with Client() as client:
         user = client.revoke_user(name)
     if as_json:

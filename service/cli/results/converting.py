@@ -1,4 +1,4 @@
-"""A sweep as files of other tools: what `d3pg export --format` writes but CSV."""
+"""A sweep as files for other tools: what `d3pg export --format` writes, except CSV."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Format = Literal[
     "csv", "parquet", "tensorboard", "wandb", "mlflow", "openrlbenchmark", "rliable", "report"
 ]
 SUFFIXES: Mapping[str, Format] = {".parquet": "parquet", ".html": "report"}
-"""What files that end so are, where no form is named."""
+"""The form of a file by its suffix, if no form is named."""
 Written = dict[str, Any]
 """What was written, and where."""
 
@@ -44,7 +44,7 @@ def convert(form: Format, client: Client, sweep_id: str, output: Path) -> tuple[
     converter = CONVERTERS[form]
     if converter.is_folder and output.exists() and (not output.is_dir() or any(output.iterdir())):
         raise typer.BadParameter(
-            f"{output} is there already: name a new folder", param_hint="--output"
+            f"{output} exists already: name a new folder", param_hint="--output"
         )
     try:
         written = converter.write(client, sweep_id, output)

@@ -29,21 +29,25 @@ def diagnose(
     identifier: Identifier,
     seeds: Annotated[
         int | None,
-        typer.Option(min=1, max=MAX_SEEDS, help="Of each cell of a sweep, at most; 4 if unset."),
+        typer.Option(
+            min=1, max=MAX_SEEDS, help="Seeds of each cell of a sweep, at most; 4 if unset."
+        ),
     ] = None,
     environment: Annotated[
-        str | None, typer.Option(metavar="TASK", help="Of a sweep: in this task alone.")
+        str | None, typer.Option(metavar="TASK", help="Only this task of a sweep.")
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="A .csv file; with --figure a .png, .svg or .pdf."),
+        typer.Option(
+            "--output", "-o", help="File to write: .csv; with --figure .png, .svg or .pdf."
+        ),
     ] = None,
     figure: Annotated[FigureName | None, typer.Option(help="The figure to save.")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Show where the simulator's gradients help a run or a sweep, and where they cannot.
 
-    The service finds it once, in what each run has learned by its end. The numbers of a sweep are
+    The service finds it once, from what each run has learned at its end. The numbers of a sweep are
     medians over the first seeds of each cell that reached their end.
     """
     options = options_of(identifier, seeds, environment)
@@ -61,12 +65,12 @@ def diagnose(
 
 
 def options_of(identifier: str, seeds: int | None, environment: str | None) -> dict[str, Any]:
-    """What is asked of the service; raises typer.BadParameter where a run takes nothing."""
+    """Return the query options. Raises typer.BadParameter for a run, which takes none."""
     asked: dict[str, int | str | None] = {"seeds": seeds, "environment": environment}
     options = {name: value for name, value in asked.items() if value is not None}
     if options and is_run(identifier):
         raise typer.BadParameter(
-            f"{identifier} is a run: --seeds and --environment choose among those of a sweep",
+            f"{identifier} is a run: --seeds and --environment are for sweeps alone",
             param_hint="ID",
         )
     return options
@@ -81,12 +85,12 @@ def refuse_output(output: Path | None, figure: FigureName | None) -> None:
             )
     elif output is None or output.suffix.lower().removeprefix(".") not in MEDIA_TYPES:
         raise typer.BadParameter(
-            "name the figure's file, which ends in .png, .svg or .pdf", param_hint="--output"
+            "--figure needs an output file that ends in .png, .svg or .pdf", param_hint="--output"
         )
 
 
 def telling() -> Callable[[DiagnosisAnswer], None]:
-    """What says how far it is, on standard error, whenever it is further."""
+    """Return a callback that prints progress on standard error when there is some."""
     told = -1
 
     def tell(diagnosis: DiagnosisAnswer) -> None:
@@ -126,7 +130,7 @@ def csv_of(found: DiagnosisAnswer) -> str:
 
 
 def show(found: DiagnosisAnswer, output: Path | None) -> None:
-    """Print the tables of each cell, or where they were written, and what is to be said of them."""
+    """Print the tables of each cell, or the file they are in, then remarks and problems."""
     if output is not None:
         say(f"Wrote {output}")
     for cell in () if output else found.cells:

@@ -22,36 +22,50 @@ Drawn = Literal["std", "ci95", "iqr", "none"]
 def figure(
     sweep_id: SweepId,
     output: Annotated[Path, typer.Option("--output", "-o", help="A .pdf, .svg or .png file.")],
-    metric: Annotated[Listed, typer.Option(help="A row of panels each; else both returns.")] = None,
-    environment: Annotated[Listed, typer.Option(help="Tasks, in this order; else all.")] = None,
-    entry: Annotated[Listed, typer.Option(help="Labels, in this order; else all.")] = None,
-    name: Annotated[Listed, typer.Option(help="LABEL=what the entry is called.")] = None,
-    colour: Annotated[Listed, typer.Option(help="LABEL=#0072b2.")] = None,
+    metric: Annotated[
+        Listed, typer.Option(help="Metric, a row of panels each; both returns if unset.")
+    ] = None,
+    environment: Annotated[
+        Listed, typer.Option(help="Tasks to draw, in this order; all if unset.")
+    ] = None,
+    entry: Annotated[
+        Listed, typer.Option(help="Labels of entries to draw, in this order; all if unset.")
+    ] = None,
+    name: Annotated[
+        Listed, typer.Option(help="LABEL=NAME: name of an entry in the figure.")
+    ] = None,
+    colour: Annotated[Listed, typer.Option(help="LABEL=COLOUR, such as ddpg=#0072b2.")] = None,
     raw: Annotated[bool, typer.Option("--raw", help="Raw returns, not normalised.")] = False,
-    band: Annotated[Drawn, typer.Option(help="Around the mean.")] = "std",
-    seeds: Annotated[bool, typer.Option("--seeds", help="Each run's curve too, thin.")] = False,
+    band: Annotated[Drawn, typer.Option(help="Band around the mean.")] = "std",
+    seeds: Annotated[
+        bool, typer.Option("--seeds", help="Draw each run's curve too, as a thin line.")
+    ] = False,
     smoothing: Annotated[float, typer.Option(help="Weight of an exponential average.")] = 0.0,
-    x: Annotated[Abscissa, typer.Option("--over", help="What the x axis is.")] = "timesteps",
+    x: Annotated[Abscissa, typer.Option("--over", help="Quantity of the x axis.")] = "timesteps",
     log_x: Annotated[bool, typer.Option("--log-x", help="A logarithmic x axis.")] = False,
     log_y: Annotated[bool, typer.Option("--log-y", help="A logarithmic y axis.")] = False,
     xmin: Annotated[float | None, typer.Option(help="Where the x axis begins.")] = None,
-    xmax: Annotated[float | None, typer.Option(help="Where it ends.")] = None,
+    xmax: Annotated[float | None, typer.Option(help="Where the x axis ends.")] = None,
     ymin: Annotated[float | None, typer.Option(help="Where the y axis begins.")] = None,
-    ymax: Annotated[float | None, typer.Option(help="Where it ends.")] = None,
-    robust: Annotated[bool, typer.Option("--robust", help="Outliers do not set y.")] = False,
-    align: Annotated[bool, typer.Option("--align", help="One y axis for a row.")] = False,
-    per_row: Annotated[int | None, typer.Option(help="Panels in a row, of one metric.")] = None,
+    ymax: Annotated[float | None, typer.Option(help="Where the y axis ends.")] = None,
+    robust: Annotated[
+        bool, typer.Option("--robust", help="Leave outliers out of the y range.")
+    ] = False,
+    align: Annotated[bool, typer.Option("--align", help="Same y axis for a row.")] = False,
+    per_row: Annotated[
+        int | None, typer.Option(help="Panels in a row, for a single metric.")
+    ] = None,
     columns: Annotated[int | None, typer.Option(help="Width: 1 or 2 columns of a paper.")] = None,
     width: Annotated[float | None, typer.Option(help="Width in inches.")] = None,
     height: Annotated[float | None, typer.Option(help="Height in inches.")] = None,
-    font_size: Annotated[float, typer.Option(help="Points.")] = 8.0,
-    font_family: Annotated[FontFamily, typer.Option(help="Of fonts.")] = "sans-serif",
-    title: Annotated[bool, typer.Option(help="The sweep's name above.")] = True,
-    caption: Annotated[bool, typer.Option(help="What is shown, in words below.")] = True,
-    legend: Annotated[bool, typer.Option(help="Which line is whose.")] = True,
+    font_size: Annotated[float, typer.Option(help="Size of the font in points.")] = 8.0,
+    font_family: Annotated[FontFamily, typer.Option(help="Family of the font.")] = "sans-serif",
+    title: Annotated[bool, typer.Option(help="Show the name of the sweep above.")] = True,
+    caption: Annotated[bool, typer.Option(help="Describe in words below what is shown.")] = True,
+    legend: Annotated[bool, typer.Option(help="Show the legend.")] = True,
     as_json: AsJson = False,
 ) -> None:
-    """Save curves of a sweep as a figure, and the numbers in it beside as CSV."""
+    """Save curves of a sweep as a figure, and its numbers beside it as CSV."""
     form = form_of(output)
     options: dict[str, Any] = {
         "metric": metric, "environment": environment, "entry": entry, "name": name,
@@ -72,13 +86,13 @@ def figure(
 def save_figure(output: Path, picture: bytes, numbers: str, as_json: bool) -> None:
     """Write a figure, and its numbers beside it as CSV.
 
-    Raises BadParameter, and writes nothing, where that would replace a CSV file of something else.
+    Raises BadParameter and writes nothing if that would replace a CSV file with other columns.
     """
     data = output.with_suffix(".csv")
     if data.exists() and not has_columns_of(data, numbers):
         raise typer.BadParameter(
-            f"the numbers of the figure would replace {data}, which is of something else: name "
-            "another file, or move that one away",
+            f"the numbers of the figure would replace {data}, which has other columns: name "
+            "another output file, or move that file away",
             param_hint="--output",
         )
     output.write_bytes(picture)
@@ -88,14 +102,14 @@ def save_figure(output: Path, picture: bytes, numbers: str, as_json: bool) -> No
 
 
 def has_columns_of(file: Path, numbers: str) -> bool:
-    """Whether a CSV file begins as these numbers do: with the names of their columns."""
+    """Whether a CSV file begins with the column names of these numbers."""
     names = numbers.partition("\n")[0].encode()
     with file.open("rb") as opened:
         return opened.read(len(names)) == names
 
 
 def form_of(output: Path) -> Form:
-    """The form that a file's name asks for. Raises BadParameter for another."""
+    """The form of a file by its suffix. Raises BadParameter for an unknown one."""
     form = next((form for form in MEDIA_TYPES if output.suffix.lower() == f".{form}"), None)
     if form is None:
         raise typer.BadParameter(f"{output} must end in .png, .svg or .pdf", param_hint="--output")

@@ -33,7 +33,8 @@ def export(
         typer.Option("--output", "-o", help="A file or, for tensorboard and wandb, a new folder."),
     ] = None,
     form: Annotated[
-        Format | None, typer.Option("--format", help="Else as the file's name ends; else csv.")
+        Format | None,
+        typer.Option("--format", help="Form to write; by the file's suffix if unset, else csv."),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -74,9 +75,11 @@ def _run_csv(client: Client, identifier: str) -> str:
 def _for_others(identifier: str, form: Format, output: Path | None, as_json: bool) -> None:
     """Write a sweep for another tool. Raises BadParameter for a run, and without an output."""
     if is_run(identifier):
-        raise typer.BadParameter(f"a run is written as csv alone, not as {form}")
+        raise typer.BadParameter(f"a run can be exported as csv alone, not as {form}")
     if output is None:
-        raise typer.BadParameter(f"{form} is no text: name a file or folder", param_hint="--output")
+        raise typer.BadParameter(
+            f"{form} cannot be printed: name a file or folder", param_hint="--output"
+        )
     with Client() as client:
         written, opened = convert(form, client, identifier, output)
     told = ", ".join(f"{count} {what}" for what, count in written.items() if what != "output")
@@ -89,7 +92,7 @@ def runs_of(client: Client, identifier: str) -> Iterator[RunAnswer]:
 
 
 def measurement_rows(client: Client, runs: Iterable[RunAnswer]) -> Iterator[Row]:
-    """A row a measurement, in front of it what run it is of."""
+    """Yield a row a measurement; its first columns say which run it belongs to."""
     for run in runs:
         config = json.dumps(run.config, sort_keys=True)
         spec = (run.id, inert(run.label), inert(run.algorithm), inert(run.environment),
@@ -111,11 +114,14 @@ def written(rows: list[Row]) -> str:
 def table(
     sweep_id: SweepId,
     form: Annotated[
-        TableText | None, typer.Option("--format", help="As text to paste; else as a table.")
+        TableText | None,
+        typer.Option("--format", help="Print text in this form; a table if unset."),
     ] = None,
     score: Annotated[
         Score,
-        typer.Option(help="At the run's end; as in the paper's table 1; or along the whole run."),
+        typer.Option(
+            help="final: the run's end; return_history: the paper's table 1; area: the whole run."
+        ),
     ] = "final",
     raw: Annotated[bool, typer.Option("--raw", help="Raw returns, not normalised.")] = False,
     as_json: AsJson = False,
@@ -154,7 +160,8 @@ def plot(
     sweep_id: SweepId,
     output: Annotated[Path, typer.Option("--output", "-o", help="A .png, .svg or .pdf file.")],
     figure: Annotated[
-        FigureNumber | None, typer.Option(help="A figure of the paper; else every curve.")
+        FigureNumber | None,
+        typer.Option(help="Number of a figure of the paper; every curve if unset."),
     ] = None,
     raw: Annotated[bool, typer.Option("--raw", help="Raw returns, not normalised.")] = False,
     as_json: AsJson = False,
@@ -162,7 +169,9 @@ def plot(
     """Save the curves of a sweep, or one of the paper's figures of it, and its numbers as CSV."""
     form = form_of(output)
     if figure is not None and raw:
-        raise typer.BadParameter("the scale of the paper's figures is given", param_hint="--raw")
+        raise typer.BadParameter(
+            "the paper's figures have a fixed scale: leave --raw out", param_hint="--raw"
+        )
     with Client() as client:
         picture = (
             client.figure(sweep_id, form, normalized=not raw)

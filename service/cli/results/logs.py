@@ -15,14 +15,14 @@ from service.client import Client
 def logs(
     run_id: RunId,
     follow: Annotated[
-        bool, typer.Option("--follow", "-f", help="Go on until the run has ended.")
+        bool, typer.Option("--follow", "-f", help="Print new lines until the run has ended.")
     ] = False,
     as_json: AsJson = False,
 ) -> None:
     """Print the last lines that the worker of a run printed, at most 8 KiB of them.
 
-    The runs of a cohort, up to 16 seeds, share one worker and its log. With --json: the attempt
-    that they are of; with --follow, one each time that there are new lines.
+    The runs of a cohort, up to 16 seeds, share one worker and its log. With --json: print the
+    attempt that the lines belong to; with --follow, print it each time that there are new lines.
     """
     with Client() as client:
         found = client.follow_log(run_id) if follow else iter(client.attempts(run_id)[-1:])
@@ -47,10 +47,10 @@ def say_new(before: AttemptAnswer | None, attempt: AttemptAnswer) -> None:
 
 
 def added(before: str, after: str) -> str:
-    """Return what the end of a log has that it did not have before.
+    """Return the text at the end of a log that was not there before.
 
-    Both may have lost lines at their beginning: the last lines of the one are looked for among the
-    first of the other.
+    Both texts may have lost lines at their beginning, so the last lines of the old one are matched
+    with the first lines of the new one.
     """
     if after.startswith(before):
         return after.removeprefix(before)

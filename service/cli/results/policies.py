@@ -22,7 +22,7 @@ def policy(
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Save the policy that a run has learned, or only say what it is."""
+    """Save the policy that a run has learned, or only describe it."""
     if output is not None and output.suffix != SUFFIX:
         raise typer.BadParameter(
             f"{output} must end in {SUFFIX}: a policy is a NumPy archive", param_hint="--output"

@@ -23,13 +23,13 @@ def rollout(
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="A .gif file, or a folder for PNGs.")
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Of the start that the task draws.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the start that the task draws.")] = 0,
     as_json: AsJson = False,
 ) -> None:
-    """Play what a run has learned: as a GIF, as frames, or only its return."""
+    """Play the policy of a run: as a GIF, as frames, or only its return."""
     if output is not None and output.suffix.lower() not in ("", ".gif"):
         raise typer.BadParameter(
-            f"{output} must end in .gif, or be a folder without ending", param_hint="--output"
+            f"{output} must end in .gif, or be a folder without a suffix", param_hint="--output"
         )
     with Client() as client:
         episode = client.rollout(run_id, seed)

@@ -1,4 +1,4 @@
-"""`d3pg verify`: a run trained anew from its spec, and held against what is stored."""
+"""`d3pg verify`: train a run again from its spec, and compare it with what is stored."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Points = list[tuple[int, float]]
 
 
 class Trained(NamedTuple):
-    """What came of a run: its measurements, and how it ended before its timesteps if it did."""
+    """The result of a run: its measurements, and how it ended if that was before its timesteps."""
 
     points: Points
     end: EarlyEnd | None
@@ -39,7 +39,7 @@ class Verdict(BaseModel):
         is_same: whether its curve and its end are, bit for bit.
         measurements: how many are stored.
         first_mismatch: the first that differs, counted from 0; None where none does.
-        end: how it ended otherwise; empty where it ended alike.
+        end: how its end differs; empty if it ended alike.
         differing_facts: what this process does differently from the run's worker.
     """
 
@@ -55,11 +55,11 @@ def verify(
     run: RunId,
     task: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="The task file, where the run's task is of one."),
+        typer.Option(metavar="FILE", help="The task file, if the run's task is from one."),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Train a run again, here and alone; its curve must come out the same, bit for bit.
+    """Train a run again, alone and on this machine; its curve must be the same, bit for bit.
 
     A run that diverged must diverge again, at the same timestep.
     """
@@ -100,14 +100,15 @@ def environment_of(run: RunAnswer, task: Path | None) -> str:
     if digest is None:
         return run.environment
     if task is None:
-        raise ServiceError(f"{run.id} is of a task file: give it with --task my_tasks.py")
+        raise ServiceError(f"{run.id} needs its task file: name it with --task my_tasks.py")
     try:
         found = TaskFile.read(task).digest
     except ValueError as error:
         raise ServiceError(f"{run.id} cannot be trained here: {error}") from error
     if found != digest:
         raise ServiceError(
-            f"{task} has the hash {found}, and the file that {run.id} was trained with {digest}"
+            f"{task} has the hash {found}, but {run.id} was trained with "
+            f"the file of the hash {digest}: name that file"
         )
     return f"{task}:{run.environment}"
 
@@ -121,11 +122,11 @@ def _say(verdict: Verdict, end: EarlyEnd | None) -> None:
     if verdict.end:
         say(f"{run}: {verdict.end}.")
     elif end is not None:
-        say(f"{run}: it ended as it had: {end.reason}.")
+        say(f"{run}: it ended as before: {end.reason}.")
 
 
 def trained(run: RunAnswer, count: int, environment: str) -> Trained:
-    """The first `count` measurements of a run of the same spec; of one that diverged, its end too.
+    """Train a run of the same spec to `count` measurements; one that diverged, to its end.
 
     Raises ServiceError for a run that cannot be trained here.
     """
@@ -153,14 +154,14 @@ def trained(run: RunAnswer, count: int, environment: str) -> Trained:
 
 
 def another_end(run: RunAnswer, end: EarlyEnd | None) -> str:
-    """How a run ended otherwise than it had, in words; empty where it did not."""
+    """How the end of a run differs from the stored one, in words; empty if it does not."""
     has_diverged = run.status is RunStatus.DIVERGED
     if end is None:
-        return f"it trains on where it had diverged, at timestep {run.timestep:,}" * has_diverged
+        return f"it trains beyond its divergence, at timestep {run.timestep:,}" * has_diverged
     if has_diverged and isinstance(end, Divergence) and end.timestep == run.timestep:
         return ""
     stood = f"it is {run.status}, at timestep {run.timestep:,}"
-    return f"trained again it {end.reason}; as stored {stood}"
+    return f"trained again, it {end.reason}; as stored, {stood}"
 
 
 def first_mismatch(stored: Points, again: Points) -> int | None:

@@ -1,4 +1,4 @@
-"""A question: what a sweep is to find out, and when it may stop.
+"""A question: what a sweep shall find out, and when it may stop.
 
 "Does each of the entries `compare` differ from the entry `against`, in each task?" The first look
 comes after the sweep's own seeds. The service then adds seeds in batches, and looks after each of
@@ -26,11 +26,11 @@ class Question:
     compare      the entries that are asked about
     against      the entry that each of them is compared with
     score        "area", "final" or "seconds to X" with X in (0, 1], on the normalised scale
-    margin       differences of less than that do not matter
+    margin       smaller differences do not matter
     confidence   of all decisions together
-    max_seeds    of each entry in each task
+    max_seeds    seeds of each entry in each task, at most
     batch        seeds between two looks
-    clip         the difference of a pair counts as at most so much, in (0, 1]
+    clip         larger differences of a pair count as this value, in (0, 1]
     method       "bounded" assumes nothing; "normal" that differences are normally distributed
     drop_losers  whether an entry that is worse in one task gets no more seeds in the others
     """
@@ -79,7 +79,7 @@ class Question:
     def seeds(self, looks: int) -> tuple[int, ...]:
         """Return the seeds of so many looks together: the first ones, then those that follow.
 
-        But those that choose settings.
+        Seeds that choose settings are skipped.
         """
         more = min(len(self.first) + (looks - 1) * self.batch, self.max_seeds) - len(self.first)
         following = (seed for seed in count(max(self.first) + 1) if not chooses(seed))

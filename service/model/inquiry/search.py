@@ -33,7 +33,7 @@ FEWEST_SEEDS = 2
 
 @dataclass(frozen=True)
 class Rung:
-    """So many entries, the best ones so far, are trained to so many timesteps."""
+    """A number of entries, the best ones so far, and the timesteps they are trained to."""
 
     entries: int
     timesteps: int
@@ -44,8 +44,8 @@ class Search:
     """A search as it was planned.
 
     budget     timesteps of all runs together, at most
-    reduction  one in so many entries goes on
-    score      by which entries are compared, up to the timesteps of the rung
+    reduction  one in this many entries goes on
+    score      that compares entries, up to the timesteps of the rung
     seeds      of every entry
     rungs      of each task
     """
@@ -74,7 +74,7 @@ class Search:
 
     @property
     def timesteps(self) -> int:
-        """What all runs together come to."""
+        """Timesteps of all runs together."""
         return len(self.seeds) * cost_of_a_seed(self.rungs)
 
 
@@ -89,7 +89,7 @@ def rungs_of(entries: int, timesteps: int, reduction: int) -> tuple[Rung, ...]:
 
 
 def _whole(timesteps: int, share: int) -> int:
-    """Return one in `share` timesteps in whole measurements, at least one; all are as they are."""
+    """Return one in `share` timesteps, in whole measurements, at least one; for 1, all of them."""
     if share == 1:
         return timesteps
     return min(max(round(timesteps / share / MEASURE_EVERY), 1) * MEASURE_EVERY, timesteps)

@@ -1,4 +1,4 @@
-"""Seeds that choose settings. No question counts them: what was chosen for its luck would win.
+"""Seeds that choose settings. No question counts them: a setting chosen for its luck would win.
 
 PRESETS   searches and trials that the presets come from (service/paper, results/trials.csv)
 SEARCHES  searches of a service (service/model/inquiry/search.py)
@@ -11,7 +11,7 @@ SEARCHES = range(1_000_000_000, 1_000_010_000)
 
 
 def chooses(seed: int) -> bool:
-    """Whether a seed is kept for choosing settings."""
+    """Whether a seed is reserved for choosing settings."""
     return seed in PRESETS or seed in SEARCHES
 
 

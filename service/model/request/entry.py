@@ -20,7 +20,7 @@ from workers.messages.run_spec import Weights
 Json = Mapping[str, Any]
 
 ALWAYS_TOLD = frozenset({"placebo"})
-"""Settings that make of an algorithm what it is to be compared with: never left out of a label."""
+"""Settings that make an algorithm its own baseline: never left out of a label."""
 
 LARGEST_WHOLE = 1e16  # above it, floats are shown by their exponent
 
@@ -41,7 +41,7 @@ class Entry:
     point         of the grid there: `noise=0.1, scale=0.5`; empty where that is no grid
     place         among the sweep's entries
     item          the place of its algorithm in the request
-    base          the label that the request gives its algorithm; else the algorithm's name
+    base          the label of its algorithm in the request; else the algorithm's name
     weights       None: the preset's
     config        the settings it states
     environments  those of the sweep's that it runs in
@@ -105,7 +105,7 @@ def _cells(environments: Iterable[str], entries: Sequence[Entry]) -> list[tuple[
 
 
 def listed(value: Any) -> list[Any]:
-    """Return the values of a list, or the one value that stands in its place."""
+    """Return the values of a list, or the single value given instead of a list."""
     return value if isinstance(value, list) else [value]
 
 

@@ -16,7 +16,7 @@ class Plan:
     cells    one spec per curve; its seed is the first one
     entries  what the cells are of
     seeds    of every cell
-    notices  what whoever submits it should know
+    notices  for the author of the submission
     search   that it is to make; its cells are as long as on the first rung
     """
 
@@ -40,7 +40,7 @@ class Plan:
 
     @property
     def costed(self) -> tuple[RunSpec, ...]:
-        """The cells with the timesteps that their runs come to; in a search, on average."""
+        """The cells with the final timesteps of their runs; in a search, on average."""
         begun = sum(cell.timesteps for cell in self.cells) * len(self.seeds)
         return tuple(
             replace(cell, timesteps=cell.timesteps * self.timesteps // begun) for cell in self.cells
@@ -53,12 +53,12 @@ class Plan:
 
     @property
     def environment_versions(self) -> Mapping[str, int]:
-        """Under which version of its numbers each environment is run."""
+        """The version of each environment's numbers."""
         names = {cell.environment for cell in self.cells}
         return {name: environment_facts(name).version for name in names}
 
     def specs(self) -> list[RunSpec]:
-        """Every run, those of a cell together: they are trained together."""
+        """Every run; runs of a cell follow each other, since they are trained together."""
         return [replace(cell, seed=seed) for cell in self.cells for seed in self.seeds]
 
     def places(self) -> list[int]:

@@ -1,4 +1,4 @@
-"""Many moves as one: each is made, or refused with its reason; the others are made all the same."""
+"""Many moves as one: each is made, or refused with a reason; a refusal stops no other."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -49,6 +49,6 @@ def _move(connection: Connection, asked: BulkMove, identifier: str) -> None:
         move = move_run if is_run(identifier) else move_sweep
         move(connection, identifier, MOVES[asked])
     elif is_run(identifier):
-        raise ImpossibleMoveError(f"{identifier} is a run: only sweeps can be asked to {asked}")
+        raise ImpossibleMoveError(f"{identifier} is a run: only sweeps have the move {asked}")
     else:
         of_sweep(connection, identifier)

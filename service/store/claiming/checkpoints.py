@@ -1,10 +1,10 @@
-"""Where runs were taken up, which checkpoint each has, and whose are to be removed.
+"""Where runs were resumed, which checkpoint each has, and which checkpoints to remove.
 
-The worker alone can say where it took a run up, for it alone has seen whether the checkpoints are
-whole. It says so once, together with its fingerprint and all that the run had measured by then.
-Points that an attempt of the same fingerprint measured beyond are the same bits as those to come
-and stay; an attempt of another fingerprint had other bits, and all its points go in the transaction
-that brings those of the checkpoint: a curve is never made of two.
+Only the worker can say where it resumed a run, since only it has seen whether the checkpoints are
+intact. It reports this once, with its fingerprint and all that the run had measured by then. Points
+beyond, from an attempt of the same fingerprint, have the same bits as those to come, and stay. An
+attempt of another fingerprint had other bits: all its points are deleted in the transaction that
+adds those of the checkpoint, so that no curve mixes two attempts.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -23,11 +23,11 @@ from workers.messages.progress import CheckpointAttempt, Progress, Resumption
 Rows = Mapping[int, Row[Any]]
 """Runs by their seed."""
 Start = tuple[Row[Any], Mapping[str, Any], Resumption]
-"""A run, the fingerprint of its attempt, and where it was taken up."""
+"""A run, the fingerprint of its attempt, and where it was resumed."""
 
 
 def begin(connection: Connection, begun: Sequence[tuple[Rows, Progress]]) -> None:
-    """Note what the bits of attempts depend on, and where each takes its runs up."""
+    """Write the fingerprints of attempts, and where each resumed its runs."""
     starts = [
         (row, _fingerprint(progress, resumed), resumed)
         for held, progress in begun
@@ -71,7 +71,7 @@ def begin(connection: Connection, begun: Sequence[tuple[Rows, Progress]]) -> Non
 
 
 def _resumed(held: Rows, progress: Progress) -> Iterator[tuple[Row[Any], Resumption]]:
-    """Each run with where it was taken up."""
+    """Each run with where it was resumed."""
     told = {resumption.seed: resumption for resumption in progress.resumed}
     for seed, row in held.items():
         yield row, told.get(seed, Resumption(seed, 0))
@@ -101,7 +101,7 @@ def note(
 ) -> None:
     """Note each run's newest checkpoint, or in its reason why one could not be written.
 
-    The reason goes on saying what there was to say of where the run was taken up.
+    The reason keeps the remark on where the run was resumed.
     """
     newest = {
         held[entry.seed].number: (held[entry.seed], entry)
@@ -153,9 +153,9 @@ def _say(connection: Connection, said: Sequence[tuple[Row[Any], str, int]]) -> N
 
 
 def of_ended(connection: Connection, limit: int) -> dict[str, bool]:
-    """Return runs that have ended and may have files of checkpoints, but those that are kept.
+    """Return ended runs that may have files of checkpoints, except those that are kept.
 
-    And of each whether it has one of its end, from where a longer run could go on.
+    Each with whether it has a checkpoint of its end, from which a longer run could go on.
     """
     is_whole = (runs.c.status == RunStatus.SUCCEEDED) & (
         runs.c.checkpoint_timestep == runs.c.timesteps
@@ -171,13 +171,13 @@ def of_ended(connection: Connection, limit: int) -> dict[str, bool]:
 
 
 def keep(connection: Connection, sizes: Mapping[str, int]) -> None:
-    """Note how large the checkpoints are that ended runs keep, unless they go on meanwhile."""
+    """Write the size of the checkpoints that ended runs keep, unless they go on meanwhile."""
     for run_id, size in sizes.items():
         connection.execute(update(runs).where(has_ended(run_id)).values(kept_bytes=size))
 
 
 def kept_beyond(connection: Connection, most_bytes: int, limit: int) -> list[str]:
-    """Return runs whose checkpoints are too many bytes with those of all that ended later."""
+    """Return runs whose checkpoints, with those of all that ended later, exceed the bytes."""
     newest_first = (runs.c.finished_at.desc(), runs.c.number.desc())
     total = func.sum(runs.c.kept_bytes).over(order_by=newest_first)
     kept = (

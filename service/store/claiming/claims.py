@@ -1,4 +1,4 @@
-"""Claiming a cohort, and what is still held of a claim.
+"""Claiming a cohort, and which runs of a claim are still held.
 
 A claim raises each run's `attempt` and starts a lease by the database's clock, from the first
 instant. Every later write under the claim picks its runs by attempt and status, so that a worker
@@ -36,9 +36,9 @@ has_ended = is_running & (runs.c.lease_until < now())
 def claim_all(
     connection: Connection, asked: Sequence[tuple[str, CellLimit]], lease_seconds: float
 ) -> list[Claim | None]:
-    """Claim for each worker queued runs of one cell, as many as are its limit.
+    """Claim queued runs of one cell for each worker, up to its limit.
 
-    None for those for whom nothing waits any more.
+    None for workers for which no run waits any more.
     """
     turns = Turns(connection)
     lines = {
@@ -56,7 +56,7 @@ def claim_all(
 
 
 def _take_next(turns: Turns, lines: Mapping[int, Line], limit: CellLimit) -> Cohort:
-    """Take runs of the sweep whose turn it is; none where nothing waits."""
+    """Take runs of the sweep whose turn it is; none if nothing waits."""
     while (sweep := turns.next) is not None:
         cohort = lines[sweep].take(limit)
         turns.take(len(cohort))
@@ -93,7 +93,7 @@ def _begin(connection: Connection, numbers: Sequence[int], lease_seconds: float)
 
 
 def _note(connection: Connection, turns: Turns, begun: Sequence[tuple[str, Row[Any]]]) -> None:
-    """Note that sweeps were served, the attempts, and what whoever watches is to know."""
+    """Write that sweeps were served, the attempts, and the events."""
     served = among(sweeps.c.number, {row.sweep_number for _, row in begun})
     connection.execute(update(sweeps).where(served).values(last_claimed_at=now()))
     insert_each(

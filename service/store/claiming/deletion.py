@@ -1,4 +1,4 @@
-"""Throwing away: sweeps that were deleted, bit by bit, and what is older than it is to be kept.
+"""Removal of deleted sweeps, step by step, and of what is older than it is kept.
 
 Deleting a sweep hides it at once. Its files and then its rows go afterwards, some runs a
 transaction, the last runs first: a service that is killed in between finds the rest in the database
@@ -33,7 +33,7 @@ EVENTS_AT_ONCE = 20_000
 
 @dataclass(frozen=True)
 class Purged:
-    """How many rows went, of which table."""
+    """How many rows of which table were deleted."""
 
     runs: int
     measurements: int
@@ -59,7 +59,7 @@ def delete_sweep(connection: Connection, sweep_id: str) -> int:
 
 
 def deleted_runs(connection: Connection, limit: int) -> list[str]:
-    """Return runs of a deleted sweep, the last ones, whose files and rows are to go."""
+    """Return runs of a deleted sweep, the last ones, whose files and rows are to be deleted."""
     query = (
         select(sweeps.c.id, runs.c.ordinal)
         .join(sweeps, sweeps.c.number == runs.c.sweep_number)

@@ -28,7 +28,7 @@ class Ending:
     """How a running run stops running.
 
     outcome   of its attempt
-    timestep  how far it has come
+    timestep  that it has reached
     error     what the attempt says; the reason where that is empty
     log_tail  of its worker; what was noted before stays where that is empty
     """
@@ -43,13 +43,13 @@ class Ending:
 
 
 def fail(connection: Connection, claim: Claim, error: str, log_tail: str = "") -> None:
-    """End what is left of the claim as failed: an error in code, which would happen again."""
+    """End the runs of the claim as failed: an error in code, which would recur."""
     [held] = held_runs(connection, [claim])
     end(connection, [failed(row, error, log_tail=log_tail) for row in held.values()])
 
 
 def release(connection: Connection, claim: Claim, reason: str) -> None:
-    """Queue what is left of the claim again, at once: its worker was ended for no fault of it.
+    """Queue the runs of the claim again, at once: the end of their worker was not their fault.
 
     Here and in `lose`: runs whose cancelling was asked for are cancelled instead.
     """
@@ -60,7 +60,7 @@ def release(connection: Connection, claim: Claim, reason: str) -> None:
 def lose(
     connection: Connection, claim: Claim, reason: str, log_tail: str, policy: RetryPolicy
 ) -> None:
-    """Queue what is left of the claim again, after a wait: its worker was lost."""
+    """Queue the runs of the claim again, after a wait: their worker was lost."""
     [held] = held_runs(connection, [claim])
     _lose(connection, held.values(), legible(reason), legible(log_tail), policy)
 
@@ -68,7 +68,7 @@ def lose(
 def lose_expired(connection: Connection, policy: RetryPolicy) -> int:
     """Queue runs whose lease has run out again, after a wait, and return how many there were."""
     expired = connection.execute(held_rows().where(has_ended)).all()
-    reason = "its worker was not heard of until its lease ended"
+    reason = "its worker did not report until its lease ended"
     _lose(connection, expired, reason, "", policy)
     return len(expired)
 
@@ -82,7 +82,7 @@ def ended(
     error: str = "",
     log_tail: str = "",
 ) -> Ending:
-    """Return how a running run ends for good; without a timestep, where it was last heard of."""
+    """Return the final end of a running run; without a timestep, at its last reported one."""
     reached = row.timestep if timestep is None else timestep
     return Ending(row, status, reason, status.value, reached, error, log_tail)
 
@@ -123,7 +123,7 @@ def _lose(
     log_tail: str,
     policy: RetryPolicy,
 ) -> None:
-    """Count one more loss of each, and give up those that have had too many."""
+    """Count one more loss of each, and end those with too many losses."""
     losses = {row.number: row.losses + 1 for row in rows}
     hopeless = [r for r in rows if losses[r.number] > policy.losses and not r.is_cancelling]
     end(
@@ -176,13 +176,13 @@ def _queue_again(
 
 
 def _given_up(new: New) -> dict[str, Any]:
-    """The values of a run that no worker trains any more."""
+    """The values of a run whose training has stopped."""
     told = {name: new[name] for name in ("status", "reason", "timestep")}
     return {**told, "lease_until": None, "is_cancelling": False}
 
 
 def _moved(ending: Ending) -> dict[str, Any]:
-    """What the run's row is told."""
+    """The new values of the run's row."""
     return {
         "number": ending.row.number,
         "status": ending.status,

@@ -1,9 +1,9 @@
-"""What is added to a sweep: seeds, entries, or more timesteps for the runs that it has.
+"""Additions to a sweep: seeds, entries, or more timesteps for its present runs.
 
-All of an addition is one transaction, the request with it. It is made to the request that whoever
-asked had seen: where that changed meanwhile, it is refused. A run that is extended is queued again;
-its worker takes it up at its last checkpoint, or begins anew where that is gone: the bits are the
-same, and what was measured already stays.
+An addition and the new request are one transaction. The addition refers to the request that the
+caller had seen: if that has changed meanwhile, it is refused. A run that is extended is queued
+again. Its worker resumes it at its last checkpoint, or starts again if that is gone: the bits are
+the same, and present measurements stay.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -143,7 +143,9 @@ def _open(connection: Connection, sweep_id: str, seen: Json) -> Row[Any]:
             f"sweep {sweep_id} {does}, which says what runs it gets: submit another sweep"
         )
     if row.request != seen:
-        raise ImpossibleMoveError(f"sweep {sweep_id} was changed meanwhile: look again")
+        raise ImpossibleMoveError(
+            f"sweep {sweep_id} was changed meanwhile: load it again and repeat this"
+        )
     return row
 
 

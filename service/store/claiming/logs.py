@@ -11,7 +11,7 @@ from service.store.tables import attempts, runs
 
 
 def note(connection: Connection, printed: Sequence[tuple[Collection[Row[Any]], str]]) -> None:
-    """Keep the last lines of each worker with the attempts of the runs that it holds, and tell."""
+    """Write the last lines of each worker to the attempts of its runs, with the events."""
     of_now = select(runs.c.attempt).where(runs.c.number == attempts.c.run_number)
     for rows, text in printed:
         of_cohort = attempts.c.run_number.in_([row.number for row in rows])
@@ -27,5 +27,5 @@ def _told(rows: Collection[Row[Any]]) -> events.Change:
 
 
 def legible(text: str) -> str:
-    """Write as escapes what a program may print and no database holds: NUL, half surrogates."""
+    """Escape what a program may print and no database holds: NUL, half surrogates."""
     return text.replace("\0", r"\x00").encode(errors="backslashreplace").decode()

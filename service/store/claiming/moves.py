@@ -26,8 +26,8 @@ def move(
 ) -> None:
     """Move those runs that meet the condition, of sweeps that are paused or are not.
 
-    A run that is tried again has lost no worker yet; its attempts stay. Cancelling asks the
-    workers of running ones to stop them.
+    A retried run starts without lost workers; its attempts stay. Cancelling asks the workers of
+    running runs to stop them.
     """
     if asked == "cancel":
         connection.execute(

@@ -1,6 +1,6 @@
-"""What users ask of one run: cancel, pause, resume, retry, uncancel.
+"""Moves of one run: cancel, pause, resume, retry, uncancel.
 
-Asked again, nothing happens.
+A repeated move changes nothing.
 """
 
 from collections.abc import Mapping
@@ -28,7 +28,7 @@ _ONLY: Mapping[Move, str] = {
 
 
 def move_run(connection: Connection, run_id: str, asked: Move) -> Run:
-    """Move one run. Raises NotFoundError, or ImpossibleMoveError where it stands somewhere else."""
+    """Move one run. Raises NotFoundError, or ImpossibleMoveError for another status."""
     run = get(connection, run_id)
     row = _row(connection, run_id)
     if (refusal := _refusal(run, row, asked)) is not None:
@@ -40,7 +40,7 @@ def move_run(connection: Connection, run_id: str, asked: Move) -> Run:
 
 
 def _refusal(run: Run, row: Row[Any, Any, Any], asked: Move) -> str | None:
-    """Return why a run cannot be moved; None where it can, or has been."""
+    """Return why a run cannot be moved; None if it can be, or was moved already."""
     transition = TRANSITIONS[asked]
     if run.status.is_final and run.status not in transition.sources | {transition.target}:
         already = "" if asked in _ONLY else "already "

@@ -1,4 +1,4 @@
-"""What users write about a sweep, at any time: its name, notes and tags, its priority."""
+"""Edits of a sweep, at any time: its name, notes and tags, its priority."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -15,7 +15,7 @@ from service.store.tables import sweeps
 def edit(connection: Connection, sweep_id: str, changes: Mapping[str, Any]) -> Sweep:
     """Change fields of a sweep, by their names in `Sweep`. Raises NotFoundError.
 
-    A change that changes nothing is no event.
+    A change to equal values is not an event.
     """
     before = get(connection, sweep_id)
     changed = {name: value for name, value in changes.items() if getattr(before, name) != value}

@@ -1,6 +1,6 @@
-"""What users ask of a sweep: cancel, pause, resume, retry, uncancel.
+"""Moves of a sweep: cancel, pause, resume, retry, uncancel.
 
-Asked again, nothing happens.
+A repeated move changes nothing.
 """
 
 from typing import Any
@@ -20,7 +20,7 @@ from service.store.tables import runs, sweeps
 def move_sweep(connection: Connection, sweep_id: str, asked: Move) -> Sweep:
     """Move the runs of a sweep.
 
-    Raises NotFoundError, or ImpossibleMoveError where the sweep stands somewhere else.
+    Raises NotFoundError, or ImpossibleMoveError for another status of the sweep.
     """
     sweep = get(connection, sweep_id)
     row = _row(connection, sweep_id)
@@ -36,7 +36,7 @@ def move_sweep(connection: Connection, sweep_id: str, asked: Move) -> Sweep:
 
 
 def _refusal(sweep: Sweep, row: Row[Any], asked: Move) -> str | None:
-    """Return why a sweep cannot be moved; None where it can, or has been."""
+    """Return why a sweep cannot be moved; None if it can be, or was moved already."""
     if asked == "cancel" and sweep.status is SweepStatus.CANCELLED:
         return None
     if asked == "retry" and row.cancelled_at is not None:
@@ -72,12 +72,12 @@ def _was_asking(row: Row[Any]) -> bool:
 
 
 def _at_sources(sweep: Sweep, asked: Move) -> int:
-    """How many of its runs stand where they are moved from."""
+    """How many of its runs have a status that the move starts from."""
     return sum(getattr(sweep.runs, status.value) for status in TRANSITIONS[asked].sources)
 
 
 def _note(connection: Connection, row: Row[Any], asked: Move) -> None:
-    """Write what was asked of the sweep, with its event."""
+    """Write the move of the sweep, with its event."""
     values: dict[Move, dict[str, Any]] = {
         "cancel": {"cancelled_at": row.cancelled_at or now(), "paused_at": None},
         "pause": {"paused_at": now()},

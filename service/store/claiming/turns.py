@@ -32,7 +32,7 @@ from service.store.tables import attempts, is_queued, is_running, runs, sweeps
 from workers.messages.run_spec import COHORT_LIMIT
 
 ALONE_AFTER = 2
-"""A run that lost this many workers in a row trains alone, so as to take no neighbour with it."""
+"""A run that lost this many workers in a row trains alone, so that no other is lost with it."""
 
 Cohort = Sequence[Row[Any]]
 """Runs of one cell that train together, in the order of their sweep."""
@@ -86,7 +86,7 @@ class Turns:
 
     @property
     def sweeps(self) -> list[int]:
-        """The numbers of those that have a turn."""
+        """The numbers of the sweeps that may have a turn."""
         return [number for *_, number in self._order]
 
     @property
@@ -95,7 +95,7 @@ class Turns:
         return self._order[0][-1] if self._order else None
 
     def take(self, taken: int) -> None:
-        """Note how many runs of that sweep a worker took; where none waits any more, it goes."""
+        """Count the runs of that sweep that a worker took; drop a sweep without waiting runs."""
         urgency, running, _, number = heapq.heappop(self._order)
         self._room[number] -= 1
         if taken and self._room[number] > 0:
@@ -109,12 +109,12 @@ class Turns:
 class Line:
     """The runs of a sweep that wait for a worker, in a transaction that claims.
 
-    They are read many at once and taken out cohort by cohort; whoever takes them changes their
-    status before the transaction ends.
+    They are read many at once and taken out cohort by cohort. The caller changes their status
+    before the transaction ends.
     """
 
     def __init__(self, connection: Connection, sweep_number: int, cohorts: int) -> None:
-        """Read as many runs at once as so many cohorts have at most."""
+        """Read as many runs at once as this many cohorts can have."""
         self._connection = connection
         self._of_sweep = runs.c.sweep_number == sweep_number
         self._size = cohorts * COHORT_LIMIT

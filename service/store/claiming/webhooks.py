@@ -1,7 +1,7 @@
-"""Which ends of sweeps are to be told, and what came of telling them.
+"""Which ends of sweeps to deliver to webhooks, and the results of these deliveries.
 
-An end is told when no run is active any more, no question is open, and the latest run ended after
-what was told before: so it is told again when a sweep has ended again.
+An end is delivered when no run is active any more, no question is open, and the latest run ended
+after the last delivered end. So it is delivered again when a sweep has ended again.
 """
 
 from sqlalchemy import Connection, func, select, update
@@ -18,7 +18,7 @@ LONGEST_WAIT_SECONDS = 600.0
 
 
 def due(connection: Connection, limit: int) -> list[Due]:
-    """Return ends that are to be told now."""
+    """Return the ends to deliver now."""
     of_sweep = runs.c.sweep_number == sweeps.c.number
     is_active = select(runs.c.number).where(of_sweep, runs.c.status.in_(ACTIVE)).exists()
     ended_at = select(func.max(runs.c.finished_at)).where(of_sweep).scalar_subquery()
@@ -42,7 +42,7 @@ def due(connection: Connection, limit: int) -> list[Due]:
 
 
 def note(connection: Connection, told: Due, problem: str) -> None:
-    """Write what came of telling an end: that it was told, or what the problem was."""
+    """Write the result of a delivery: that it succeeded, or what the problem was."""
     tries = told.tries + 1 if problem else 0
     is_over = not problem or tries >= MOST_TRIES
     wait = min(2.0**tries, LONGEST_WAIT_SECONDS) if problem and not is_over else 0.0

@@ -1,4 +1,4 @@
-"""What finished runs have cost: seconds of one core, by algorithm, environment and settings."""
+"""Costs of finished runs: seconds of one core, by algorithm, environment and settings."""
 
 from collections.abc import Collection
 
@@ -15,7 +15,7 @@ LATEST_RUNS = 2000
 def past(
     connection: Connection, algorithms: Collection[str], environments: Collection[str]
 ) -> list[PastCost]:
-    """Return what the latest succeeded runs of these algorithms and environments have cost."""
+    """Return the costs of the latest succeeded runs of these algorithms and environments."""
     latest = (
         select(measurements.c.packed)
         .where(measurements.c.run_number == runs.c.number)

@@ -47,9 +47,9 @@ def curves(
     """Return each metric of every run of the sweep in their order, or of the one of that ordinal.
 
     A metric is "return_mean", "return_history" or a diagnostic's name, x one of ABSCISSAE. A run
-    without such measurements has an empty curve. With `only_ends`, curves have no points but those
-    of the last tenth of the run's timesteps, and the last. What the memory has of runs that have
-    ended is not read again. Raises ValueError for another x.
+    without such measurements has an empty curve. With `only_ends`, curves have only the points of
+    the last tenth of the run's timesteps, and the last point. Curves of ended runs that are in the
+    memory are not read again. Raises ValueError for another x.
     """
     if x not in ABSCISSAE:
         raise ValueError(f"x is one of {', '.join(ABSCISSAE)}, got {x!r}")
@@ -83,7 +83,7 @@ def curves(
 def _remembered(
     memory: CurveMemory, rows: Sequence[Row[Any]], seen: tuple[Hashable, ...]
 ) -> dict[int, Line]:
-    """What the memory has of runs, by their numbers."""
+    """Lines of runs that are in the memory, by their numbers."""
     kept = ((row.number, memory.get(_key(row, seen))) for row in rows if row.status in FINAL)
     return {number: line for number, line in kept if line is not None}
 
@@ -109,7 +109,7 @@ def _points_of(listed: Sequence[Row[Any]], *, only_ends: bool) -> Select[Any]:
 
 
 class Reading:
-    """Lines of runs over an abscissa; runs that were measured at the same places share them."""
+    """Lines of runs over an abscissa; runs measured at the same places share the array of x."""
 
     def __init__(self, layout: packed.Layout, x: str) -> None:
         """Of one of ABSCISSAE."""
@@ -146,13 +146,13 @@ class Reading:
 
 
 def _kept(own: Floats) -> Floats:
-    """Close an array, which is nobody else's, to writing."""
+    """Make an array read-only; no other code holds it."""
     own.setflags(write=False)
     return own
 
 
 def _run(row: Row[Any], sweep_id: str) -> Callable[[Floats, Floats], RunCurve]:
-    """What makes curves of a run, of their x and values."""
+    """Return the function that makes curves of a run from x and values."""
     return partial(
         RunCurve,
         str(RunName(sweep_id, row.ordinal)),

@@ -1,4 +1,4 @@
-"""Diagnoses: which are asked for, and what they found; one a run, of its last attempt.
+"""Diagnoses: which are requested, and their findings; one a run, of its last attempt.
 
 Findings are a JSON list of rows: diagnostic, quantity, horizon, noise, value. Null means NaN.
 """
@@ -77,7 +77,7 @@ def of_sweep(
 
 
 def ask(connection: Connection, asked: Sequence[Run], most_waiting: int) -> None:
-    """Ask for the diagnoses of runs of one sweep; of those that wait or are made, nothing changes.
+    """Request the diagnoses of runs of one sweep; those that wait or are made stay unchanged.
 
     Raises TooManyAskedError where more than `most_waiting` would wait, of all sweeps.
     """
@@ -99,7 +99,7 @@ def ask(connection: Connection, asked: Sequence[Run], most_waiting: int) -> None
 
 
 def next_waiting(connection: Connection) -> Run | None:
-    """Return the run whose diagnosis waits for the longest time; None where none does."""
+    """Return the run whose diagnosis has waited longest; None if none waits."""
     oldest = _waiting().order_by(diagnoses.c.asked_at, diagnoses.c.run_number).limit(1)
     row = connection.execute(oldest).one_or_none()
     return None if row is None else run_of(row)
@@ -108,9 +108,9 @@ def next_waiting(connection: Connection) -> Run | None:
 def record(
     connection: Connection, run: Run, findings: Iterable[Finding] | None, problem: str = ""
 ) -> None:
-    """Write what was found about an attempt of a run, or why nothing was.
+    """Write the findings about an attempt of a run, or why there are none.
 
-    Nothing changes where it is not waited for any more.
+    Nothing changes if the diagnosis does not wait any more.
     """
     row = connection.execute(_waiting().where(named(run.id))).one_or_none()
     if row is None or row.attempt != run.attempt:

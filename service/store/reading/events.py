@@ -50,7 +50,7 @@ def measured(sweep_number: int, runs: Sequence[RunName], first: int, last: int) 
 
 
 def diagnosed(sweep_number: int, sweep_id: str, run_id: str | None = None) -> Change:
-    """Return the entry for a diagnosis that was made; without a run, for those asked for."""
+    """Return the entry for a diagnosis that was made; without a run, for requested ones."""
     payload = {"sweep_id": sweep_id} | ({} if run_id is None else {"run_id": run_id})
     return {"sweep_number": sweep_number, "kind": "diagnosis", "payload": payload}
 

@@ -17,9 +17,9 @@ from service.store.tables import measurements, runs, sweeps
 from service.store.upkeep.copy_in import copy_in
 
 POINTS_AT_ONCE = 1_000
-"""So many measurements with all their diagnostics are read together, of about a kilobyte each."""
+"""Measurements, with all diagnostics, to read together; each takes about a kilobyte."""
 MOST_RUNS = 1000
-"""So many runs are asked for by their numbers in one query."""
+"""Runs to read by their numbers in one query."""
 COLUMNS = tuple(column.name for column in measurements.columns)
 
 
@@ -46,7 +46,7 @@ def add(
 def _known(
     connection: Connection, taken: Sequence[tuple[int, Measurement]]
 ) -> set[tuple[int, int]]:
-    """The (run number, timestep) that are written already, of runs that tell something again."""
+    """The (run number, timestep) that are written already, of runs that report them again."""
     latest = _latest(connection, {number for number, _ in taken})
     again = [(number, m.timestep) for number, m in taken if m.timestep <= latest.get(number, -1)]
     if not again:  # usually
@@ -115,7 +115,7 @@ def _measurement(row: Row[Any], seed: int, names: Mapping[int, Sequence[str]]) -
 def of_runs(
     connection: Connection, sweep_id: str, after: int, limit: int
 ) -> list[tuple[Run, list[Measurement]]]:
-    """Return some runs of a sweep with all that they measured, from the ordinal after one on.
+    """Return some runs of a sweep with their measurements, from the ordinal after one on.
 
     They are at most `limit`, and fewer where their points would be many more than POINTS_AT_ONCE.
     """
@@ -141,7 +141,7 @@ def of_runs(
 
 
 def outlines(connection: Connection, run_ids: Sequence[str], points: int) -> dict[str, list[float]]:
-    """Return about so many return_mean of each run, evenly spaced and the latest one last."""
+    """Return about this many return_mean of each run, evenly spaced, the latest one last."""
     ids = {
         row.number: str(RunName(row.id, row.ordinal))
         for row in connection.execute(

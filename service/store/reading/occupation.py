@@ -1,4 +1,4 @@
-"""What workers do now, and what waits for one."""
+"""What workers train now, and what waits for a worker."""
 
 from typing import Any
 
@@ -47,7 +47,7 @@ CELL = ("worker", "sweep_id", "sweep_name", "algorithm", "environment")
 
 
 def waiting(connection: Connection) -> list[WaitingRuns]:
-    """Return how many runs of which sweeps wait for a worker, those that go first at the front."""
+    """Return how many runs of which sweeps wait for a worker, in the order of the queue."""
     is_later = runs.c.not_before > now()
     query = (
         select(

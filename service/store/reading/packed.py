@@ -107,7 +107,7 @@ class Layout:
 
 
 def set_number(connection: Connection, names: Sequence[str]) -> int:
-    """Return the number of the set with these names in this order, new if need be."""
+    """Return the number of the set with these names in this order; add it if it is missing."""
     text = json.dumps(list(names))
     known = connection.execute(
         select(diagnostic_sets.c.number).where(diagnostic_sets.c.names == text)

@@ -12,7 +12,7 @@ Noun = TypeVar("Noun")
 def noun_of(kind: type[Noun], row: Row[Any], **derived: Any) -> Noun:
     """Return a dataclass filled from a row.
 
-    What is derived stands for fields that have no column of their name, or another one. Raises
+    `derived` gives the fields that have no column of their name, or replaces it. Raises
     AttributeError for a field that has neither.
     """
     names = [name for name in _fields(cast(Any, kind)) if name not in derived]

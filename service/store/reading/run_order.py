@@ -30,7 +30,7 @@ Scales = Mapping[str, tuple[float, float]]
 
 @dataclass(frozen=True)
 class RunOrder:
-    """By what runs are listed, and whether the largest comes first.
+    """The value that runs are sorted by, and whether the largest comes first.
 
     scales  of the final scores, in the environments where they are known: the others come last
     """
@@ -40,7 +40,7 @@ class RunOrder:
     scales: Scales = field(default_factory=dict)
 
     def keys(self) -> tuple[ColumnElement[Any], ...]:
-        """Return what is compared, smallest first."""
+        """Return the values to compare, smallest first."""
         if self.by == "made":
             return (-runs.c.ordinal if self.is_descending else runs.c.ordinal,)
         value = self._value()

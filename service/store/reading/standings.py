@@ -1,4 +1,4 @@
-"""How sweeps stand, for a list of them: the score of each cell, and a curve of one."""
+"""Results of sweeps for a list: the score of each cell, and a curve of one."""
 
 import math
 from collections.abc import Collection, Sequence
@@ -31,7 +31,7 @@ def of_sweeps(connection: Connection, sweep_ids: Collection[str]) -> list[CellSt
 def outlines(
     connection: Connection, cells: Sequence[CellStanding], points: int
 ) -> dict[str, list[float]]:
-    """Return about so many means of return_mean of a cell each, by its sweep; the latest last."""
+    """Return about this many means of return_mean of a cell, by its sweep; the latest last."""
     if not cells:
         return {}
     asked = [(cell.sweep_id, cell.entry, cell.environment) for cell in cells]

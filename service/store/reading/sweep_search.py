@@ -1,4 +1,4 @@
-"""Which sweeps a list is asked for, as conditions on rows of `sweeps`."""
+"""The search for sweeps, as conditions on rows of `sweeps`."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ Archived = Literal["false", "true", "all"]
 
 @dataclass(frozen=True)
 class SweepSearch:
-    """What sweeps must be like to be listed; None: whatever they are like.
+    """Conditions on listed sweeps; None: no condition.
 
     q         a text in the name, the notes or a tag, or the beginning of the id; any case
     archived  "false": those that are not, "true": those that are
@@ -33,7 +33,7 @@ class SweepSearch:
     only: frozenset[str] | None = None
 
     def conditions(self) -> Iterator[ColumnElement[bool]]:
-        """Yield what must hold."""
+        """Yield the conditions."""
         if self.q:
             yield _mentions(self.q)
         if self.tag is not None:

@@ -50,9 +50,8 @@ def create(
     """Write a sweep and its runs, which are numbered in the order of the specs.
 
     `entries` are the places of the specs' entries; without them, all are of the first. The versions
-    are those of the specs' environments. Under a key that its owner submitted a sweep with
-    already, return that one. Raises SubmissionKeyReusedError where that one's request or owner was
-    another.
+    are those of the specs' environments. If the owner has submitted a sweep with that key
+    already, return that sweep. Raises SubmissionKeyReusedError if its request or owner differs.
     """
     if not specs:
         raise ValueError("a sweep has at least one run, got none")
@@ -141,7 +140,7 @@ def get(connection: Connection, sweep_id: str) -> Sweep:
 
 
 def request(connection: Connection, sweep_id: str) -> Mapping[str, Any]:
-    """Return what a sweep was posted as. Raises NotFoundError."""
+    """Return the request of a sweep. Raises NotFoundError."""
     posted = connection.scalar(select(sweeps.c.request).where(named(sweep_id)))
     if posted is None:
         raise NotFoundError(f"there is no sweep {sweep_id!r}")
@@ -150,18 +149,18 @@ def request(connection: Connection, sweep_id: str) -> Mapping[str, Any]:
 
 
 def owners(connection: Connection, sweep_ids: Collection[str]) -> dict[str, str]:
-    """Return whose sweeps are, of those that there are."""
+    """Return the owners of those sweeps that exist."""
     query = select(sweeps.c.id, sweeps.c.owner).where(sweeps.c.id.in_(sweep_ids), is_there)
     return {row.id: row.owner for row in connection.execute(query)}
 
 
 def named(sweep_id: str) -> ColumnElement[bool]:
-    """Return the condition that picks one sweep by its id; a deleted one is not there."""
+    """Return the condition that picks one sweep by its id, unless it is deleted."""
     return (sweeps.c.id == sweep_id) & is_there
 
 
 def version(connection: Connection, sweep_id: str) -> str | None:
-    """Return a text that changes with whatever is shown of a sweep; None: no such sweep."""
+    """Return a text that changes with everything shown of a sweep; None: no such sweep."""
     last = events.last_id_of(connection, sweep_id)
     zeros = random_returns.last_measured_at(connection)
     return None if last is None else f"{last}-{zeros!r}"
@@ -173,7 +172,7 @@ def page(
     limit: int = 50,
     search: SweepSearch = EVERY,
 ) -> list[Sweep]:
-    """Return sweeps that a search finds, newest first, from the one after that named `after`."""
+    """Return sweeps that a search finds, newest first, beginning after the one named `after`."""
     found = select(sweeps.c.number).where(is_there, *search.conditions())
     found = found.order_by(sweeps.c.number.desc()).limit(limit)
     if after is not None:
@@ -192,7 +191,7 @@ def searches(connection: Connection) -> list[Sweep]:
 
 
 def _summaries(condition: ColumnElement[bool]) -> Select[Any]:
-    """Sweeps with what their runs add up to."""
+    """Sweeps with sums over their runs."""
     counts = [
         func.count().filter(runs.c.status == status).label(status.value) for status in RunStatus
     ]

@@ -1,7 +1,7 @@
 """A copy of a SQLite database in use.
 
-`VACUUM INTO` reads one snapshot and holds up no writer. The file appears under its name when it is
-whole and has reached the disk.
+`VACUUM INTO` reads one snapshot and blocks no writer. The file gets its name when it is complete
+and has reached the disk.
 """
 
 import os
@@ -14,9 +14,11 @@ from service.store.upkeep.integrity import check
 
 
 def backup(source: Engine, file: Path) -> None:
-    """Write the backup. Raises FileExistsError, or RuntimeError where the copy is not whole."""
+    """Write the backup. Raises FileExistsError, or RuntimeError if the copy is not intact."""
     if file.exists():
-        raise FileExistsError(f"{file} exists; a backup overwrites nothing")
+        raise FileExistsError(
+            f"{file} exists already: name a new file, since a backup overwrites nothing"
+        )
     partial = file.with_name(f"{file.name}.partial")
     partial.unlink(missing_ok=True)
     connection = source.raw_connection()
@@ -39,7 +41,7 @@ def _refuse_unless_whole(file: Path) -> None:
     finally:
         engine.dispose()
     if broken:
-        raise RuntimeError(f"{file} is not whole: {broken[0].claim}: {broken[0].faults[0]}")
+        raise RuntimeError(f"{file} is not intact: {broken[0].claim}: {broken[0].faults[0]}")
 
 
 def _sync(path: Path) -> None:

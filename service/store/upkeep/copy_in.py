@@ -1,4 +1,4 @@
-"""Rows into a table of PostgreSQL by COPY, the way that costs least on both sides."""
+"""Rows into a table of PostgreSQL by COPY, the cheapest way on both sides."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -12,8 +12,8 @@ TYPES = {"BIGINT": "int8", "DOUBLE PRECISION": "float8", "BYTEA": "bytea"}
 def copy_in(connection: Connection, table: Table, rows: Sequence[tuple[Any, ...]]) -> None:
     """Write rows, of all columns in the table's order, in the transaction under way.
 
-    What the driver raises comes out as SQLAlchemy raises it: psycopg's COPY is not among the
-    things that SQLAlchemy does itself.
+    Errors of the driver are raised as SQLAlchemy raises them: SQLAlchemy itself has no support for
+    psycopg's COPY.
     """
     driver = connection.dialect.loaded_dbapi
     columns = list(table.columns)

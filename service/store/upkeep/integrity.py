@@ -1,4 +1,4 @@
-"""Whether a database is whole: the database's own check, and what must hold between its rows."""
+"""Whether a database is intact: the database's own check, and conditions on its rows."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -47,7 +47,7 @@ INVARIANTS: Mapping[str, str] = {
 
 @dataclass(frozen=True)
 class Check:
-    """Something that must hold, and what breaks it; `faults` is empty while it holds."""
+    """A condition, and what breaks it; `faults` is empty if it holds."""
 
     claim: str
     faults: tuple[str, ...]
@@ -66,9 +66,9 @@ def _sqlite_checks(connection: Connection) -> list[Check]:
     pages = tuple(connection.scalars(text("PRAGMA integrity_check")))
     strays = connection.execute(text("PRAGMA foreign_key_check")).all()
     return [
-        Check("SQLite finds its file whole", () if pages == ("ok",) else pages),
+        Check("SQLite finds its file intact", () if pages == ("ok",) else pages),
         Check(
-            "every row belongs to one that is there",
-            tuple(f"row {row[1]} of {row[0]} belongs to no row of {row[2]}" for row in strays),
+            "every row refers to rows that exist",
+            tuple(f"row {row[1]} of {row[0]} refers to no row of {row[2]}" for row in strays),
         ),
     ]

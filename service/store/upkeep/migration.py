@@ -1,4 +1,4 @@
-"""Bringing a database's tables to this version's, by the Alembic migrations beside this file."""
+"""Upgrading a database's tables to this version, by the Alembic migrations beside this file."""
 
 from pathlib import Path
 
@@ -27,7 +27,7 @@ def downgrade(engine: Engine, revision: str) -> None:
 
 
 def refuse_newer(connection: Connection) -> None:
-    """Raise NewerTablesError where the tables are of a revision that this version does not know."""
+    """Raise NewerTablesError if the tables have a revision that this version does not know."""
     found = MigrationContext.configure(connection).get_current_revision()
     known = ScriptDirectory.from_config(_config(connection))
     if found and found not in {script.revision for script in known.walk_revisions()}:

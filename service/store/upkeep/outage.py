@@ -1,8 +1,8 @@
-"""A database that cannot be reached for a while: waited for, then reported.
+"""Outages: waiting for a database that cannot be reached for a while, then reporting it.
 
-PostgreSQL restarts, and connections to it break. What was under way is done again once it answers,
-which users notice as a pause. Anything else that a database says is no outage and is raised at
-once, a full disk too.
+When PostgreSQL restarts, connections to it break. What was under way is done again once it answers,
+which users notice as a pause. Any other error of a database is not an outage and is raised at once,
+a full disk included.
 """
 
 import time
@@ -22,7 +22,7 @@ _UNREACHABLE = ("08", "57P01", "57P02", "57P03")
 
 
 def is_outage(error: Exception) -> bool:
-    """Whether the error says no more than that the database cannot be reached now."""
+    """Whether the error only says that the database cannot be reached now."""
     if not isinstance(error, OperationalError):
         return False
     if error.connection_invalidated:
@@ -32,7 +32,7 @@ def is_outage(error: Exception) -> bool:
 
 
 def outlasting(action: Callable[[], Result], patience_seconds: float = PATIENCE_SECONDS) -> Result:
-    """Do it, again and again during an outage, and return what it returned or raise."""
+    """Call the work, repeatedly during an outage, and return its result, or raise."""
     deadline = time.monotonic() + patience_seconds
     while True:
         try:

@@ -1,4 +1,4 @@
-"""Everything from one database into another, empty one; proved by counts and hashes.
+"""Copying one database into another, empty one, verified by counts and hashes.
 
 One transaction at each end: the source is read as it stood at one moment, and the target holds
 everything or nothing. A table's hash is the SHA-256 of its rows in the order of their keys, every
@@ -31,7 +31,7 @@ from service.store.tables import metadata
 PAGE = 2000
 
 Tell = Callable[[str, int, int], None]
-"""Hears of a table, the rows of it that are copied, and how many it has."""
+"""Receives a table, the number of its rows that are copied, and the number that it has."""
 
 
 @dataclass(frozen=True)
@@ -44,10 +44,10 @@ class CopiedTable:
 
 
 def transfer(source: Engine, target: Engine, tell: Tell) -> list[CopiedTable]:
-    """Copy every row and return what was proved. Both ends have this version's tables.
+    """Copy every row and return the verified tables. Both ends have this version's tables.
 
-    Raises TransferError, with nothing written, where the target is not empty or does not give back
-    what was put in.
+    Raises TransferError, with nothing written, if the target is not empty or does not return what
+    was written.
     """
     with source.connect() as reader, target.begin() as writer:
         tables = [_as_stored(table) for table in metadata.sorted_tables]
@@ -88,7 +88,7 @@ def _copy(reader: Connection, writer: Connection, table: Table, tell: Tell) -> N
 
 
 def _continue_numbering(writer: Connection) -> None:
-    """Have PostgreSQL number new rows from the last copied one on; SQLite does so by itself."""
+    """Make PostgreSQL number new rows after the last copied one; SQLite does so by itself."""
     for table in metadata.sorted_tables:
         column = table.autoincrement_column
         if column is not None and (last := writer.scalar(select(func.max(column)))) is not None:

@@ -1,4 +1,4 @@
-"""What a database's errors mean to whoever runs the service: what is wrong and what to do.
+"""What a database's errors mean to the operator: what is wrong and what to do.
 
 These pass when their cause is gone; any other error is a fault of ours.
 """
@@ -32,17 +32,17 @@ class Trouble:
 UNREACHABLE = Trouble(
     "database-unreachable",
     "The database cannot be reached.",
-    "Start it, or mend the way to it.",
+    "Start it, or repair the connection to it.",
 )
 FULL = Trouble(
     "database-full",
-    "The disk that the database lies on is full.",
+    "The disk of the database is full.",
     "Free some space there.",
 )
 FAILING = Trouble(
     "database-disk-failing",
-    "The disk that the database lies on fails (disk I/O error).",
-    "See the machine's system log: the disk may be dying, or a limit on file sizes be reached.",
+    "The disk of the database fails (disk I/O error).",
+    "See the machine's system log: the disk may be failing, or a file size limit was reached.",
 )
 READ_ONLY = Trouble(
     "database-read-only",
@@ -61,7 +61,7 @@ WORDS: Mapping[str, Trouble] = {
 
 
 def find_trouble(error: Exception) -> Trouble | None:
-    """Return the trouble that an error tells of, None where it is none."""
+    """Return the trouble behind an error; None if it is another fault."""
     if not isinstance(error, DBAPIError):
         return None
     if is_outage(error):
@@ -72,7 +72,7 @@ def find_trouble(error: Exception) -> Trouble | None:
 
 
 def explain(error: Exception) -> str:
-    """Say what is wrong and what to do, or else what the error says itself, in one line."""
+    """Say what is wrong and what to do, or else the text of the error, in one line."""
     if trouble := find_trouble(error):
         return str(trouble)
     said = str(getattr(error, "orig", error)).strip()

@@ -65,12 +65,12 @@ def test_what_waits_is_made_in_its_order(store: Store, tmp_path: Path) -> None:
     [
         (
             TooSlowError("it took longer than 300 s"),
-            "cannot be had now: it took longer than 300 s.",
+            "is not available now: it took longer than 300 s.",
         ),
-        (EOFError(), "cannot be used now: the process that did so died."),
+        (EOFError(), "cannot be used now: the process that used it died."),
         (DamagedError("its digest differs"), "What run RUN learned cannot be read: its digest"),
         (UnavailableError(5, "the disk is gone"), "cannot be read now: the disk is gone."),
-        (ArithmeticError("no step at [0, 1]"), "could not go on: no step at [0, 1]"),
+        (ArithmeticError("no step at [0, 1]"), "failed: no step at [0, 1]"),
         (None, "Run RUN (succeeded) has no policy"),
     ],
 )

@@ -47,7 +47,7 @@ def test_settings_and_grids_stand_behind_colons() -> None:
         ("ddpg:noise=1:noise=2", "names noise twice"),
         ("ddpg:1,2:w1=3", "names w1 twice"),
         ("ddpg:w1=3:1,2", "names weights twice"),
-        ("ddpg:=3", "what has no name"),
+        ("ddpg:=3", "a value without a name"),
         ("ddpg:", "neither W1,W2 nor"),
     ],
 )

@@ -61,7 +61,7 @@ def test_a_scalar_is_what_it_looks_like(tmp_path: Path, text: str, value: object
     "content", ["seeds: 1\nname: x\nseeds: 2\n", "a: [{w1: 1,\n w1: 2}]", "a: 1\n'a': 2"]
 )
 def test_a_key_that_is_there_twice_is_refused(tmp_path: Path, content: str) -> None:
-    with pytest.raises(typer.BadParameter, match=r"is there twice, at first in line 1"):
+    with pytest.raises(typer.BadParameter, match=r"appears twice, first in line 1"):
         read(tmp_path, content)
 
 

@@ -254,7 +254,10 @@ def test_a_worker_that_does_not_drop_is_ended(
     assert counts(store, sweep) == RunCounts(succeeded=3, cancelled=1)
     neighbour = run_of(store, sweep, 1)
     assert neighbour.attempt == 2
-    assert store.attempts(neighbour.id)[0].error == "its worker was ended to cancel a neighbour"
+    assert (
+        store.attempts(neighbour.id)[0].error
+        == "its worker was ended to cancel another of its runs"
+    )
 
 
 def test_none_starts_after_its_sweep_was_cancelled(
@@ -309,7 +312,7 @@ def test_says_why_no_run_can_start(
     assert problem_of(dispatcher) == "the cluster is starting"
     pool.problem = "Failed to connect to Ray at 10.0.0.1:6379"
     work(dispatcher, 3)
-    assert problem_of(dispatcher).startswith("the cluster is unreachable since ")
+    assert problem_of(dispatcher).startswith("the cluster has been unreachable since ")
     assert "Failed to connect to Ray at 10.0.0.1:6379" in problem_of(dispatcher)
     assert pool.starts == 1  # waits before it tries again
     clock.now += 2.0

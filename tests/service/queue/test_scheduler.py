@@ -139,7 +139,7 @@ def test_what_a_retired_worker_was_given_is_put_back_at_once() -> None:
     claim = Claim("a", 15.0, (Assignment("x-0", 1, RunSpec("ddpg", "Pendulum", 0), 1),))
     state, _ = told(State(), Ready("a", 1, "here"), Claimed("a", claim))
     state, commands = told(state, Retired("a"))
-    assert commands == [Release(claim, "its worker was retired before it began")]
+    assert commands == [Release(claim, "its worker was retired before the run began")]
     assert (state.idle, state.cohorts) == ((), {})
 
 

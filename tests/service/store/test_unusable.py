@@ -78,7 +78,7 @@ def test_a_server_that_takes_no_writes(postgresql: PostgreSQL) -> None:
 
 def test_a_server_that_is_not_there(tmp_path: Any) -> None:
     said = refusal(f"postgresql+psycopg://d3pg:secret@/d3pg?host={tmp_path}")
-    assert said.endswith("Is it up, and D3PG_DATABASE_URL right?")
+    assert said.endswith("Check that the server is up and that D3PG_DATABASE_URL is right.")
     assert "secret" not in said
 
 

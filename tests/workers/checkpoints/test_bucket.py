@@ -143,7 +143,7 @@ def test_a_port_that_nobody_listens_on_is_told(
     monkeypatch: pytest.MonkeyPatch, closed_port: int
 ) -> None:
     monkeypatch.setenv("AWS_ENDPOINT_URL", f"http://127.0.0.1:{closed_port}")
-    with pytest.raises(UnreachableError, match="is the store up") as said:
+    with pytest.raises(UnreachableError, match="check that the store is up") as said:
         Bucket("s3://runs").keys("run-3/")
     assert SECRET not in str(said.value)
 

@@ -166,7 +166,7 @@ def test_a_sealed_file_of_something_else_is_refused(place: Place) -> None:
         (b'{"format": 2}', "its manifest cannot be read"),
         (b'{"format": 1}', "its manifest cannot be read: its format is 1, not 2"),
         (b"[" * 100_000, "its manifest cannot be read"),
-        (manifest, "no arrays but something else"),
+        (manifest, "not arrays, refused"),
     ):
         sealed_file.write(folder, name, payload)
         note = checkpoints_of(place, 2).find().note
@@ -297,15 +297,14 @@ def test_where_the_place_does_not_answer_it_is_asked_again_with_patience(
     assert_serves(checkpoints_of(tmp_path, 2).find(lambda: True), 4 * CYCLE)
     silences[0] = 2
     assert checkpoints_of(tmp_path, 2).find() == Found(
-        note="no checkpoint could be looked for (the store does not answer), "
-        "begun again from step 0"
+        note="checkpoints could not be listed (the store does not answer), begun again from step 0"
     )
 
 
 def test_where_the_place_cannot_be_had_nothing_is_asked_again(bucket: str) -> None:
     place = bucket.replace("d3pg", "no-such-bucket")
     note = checkpoints_of(place).find(pytest.fail).note
-    assert note.startswith(f"no checkpoint could be looked for (the store has no bucket of {place}")
+    assert note.startswith(f"checkpoints could not be listed (the store has no bucket of {place}")
     with pytest.raises(UnavailableError, match="no bucket"):
         train(checkpoints_of(place), FakeLearner([SPEC]), 1)
 

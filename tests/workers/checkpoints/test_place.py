@@ -47,5 +47,5 @@ def test_without_s3fs_a_bucket_is_refused(monkeypatch: pytest.MonkeyPatch) -> No
 @pytest.mark.parametrize("name", ["", "..", "a/b", "/etc"])
 @pytest.mark.parametrize("place", [Path("/mnt"), "s3://runs"])
 def test_a_runs_name_is_no_path(place: module.Place, name: str) -> None:
-    with pytest.raises(ValueError, match="is no path"):
+    with pytest.raises(ValueError, match="must not be a path"):
         folder_in(place, name)

@@ -48,7 +48,7 @@ def test_a_cohort_shares_its_cell() -> None:
     [
         ([], "1 to 16 runs, got 0"),
         ([replace(SPEC, seed=seed) for seed in range(17)], "1 to 16 runs, got 17"),
-        ([SPEC, replace(SPEC, seed=4, timesteps=8000)], "differ in their seed alone"),
+        ([SPEC, replace(SPEC, seed=4, timesteps=8000)], "differ only in their seed"),
         ([SPEC, SPEC], r"distinct, got \[3, 3\]"),
     ],
 )

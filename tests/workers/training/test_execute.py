@@ -258,7 +258,7 @@ def test_stops_itself_when_nobody_listens(monkeypatch: pytest.MonkeyPatch) -> No
     next(stream)
     next(stream)
     assert abandoned.wait(10)
-    with pytest.raises(cohort_thread.AbandonedError, match="nobody collected the news"):
+    with pytest.raises(cohort_thread.AbandonedError, match="the news was not collected"):
         for _ in stream:
             pass
 

@@ -38,7 +38,7 @@ def test_every_change_is_a_line(caplog: pytest.LogCaptureFixture) -> None:
         narrator.tell(progress)
     assert caplog.messages == [
         "hybrid-ddpg w1=0.1 w2=0 noise=0.2 in Pendulum, seeds 0, 1, 3, 4000 timesteps",
-        "seed 1 is taken up at timestep 800",
+        "seed 1 resumes at timestep 800",
         "seed 1: newest checkpoint damaged",
         "training, after 2.5 s of preparation",
         "seed 3: its checkpoint of step 900 could not be written: full",

@@ -148,7 +148,7 @@ async function send(url, options, read = (response) => response.json()) {
     return await read(response);
   } catch (error) {
     if (isDropped(error)) throw error;
-    throw new Refusal(0, "The connection broke off in the middle of an answer.");
+    throw new Refusal(0, "The connection broke in the middle of an answer.");
   }
 }
 

@@ -11,7 +11,7 @@ const DONE = {
   uncancel: "queued again",
   delete: "deleted",
   archive: "archived",
-  unarchive: "out of the archive",
+  unarchive: "unarchived",
 };
 
 /**

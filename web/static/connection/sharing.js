@@ -39,7 +39,7 @@ async function make(sweeps) {
 async function takeBack() {
   await remove(`/shares/${made}`);
   at("share-made").hidden = true;
-  return "The link opens nothing any more.";
+  return "The link is revoked.";
 }
 
 async function copy() {

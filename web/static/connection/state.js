@@ -24,7 +24,7 @@ export function lost() {
   show("lost", "Offline");
   say(
     `Connection to the service lost at ${timeOfDay(lostAt)}. ` +
-      "What you see is from then. Reconnecting …",
+      "The page shows the state at that time. Reconnecting …",
   );
 }
 
@@ -48,7 +48,7 @@ export function signedOut() {
 export function fresh() {
   if (state.dataset.state !== "live") return;
   if (lostAt !== null) {
-    say(`Connected again. Everything since ${timeOfDay(lostAt)} is here.`);
+    say(`Connected again. The page shows all changes since ${timeOfDay(lostAt)}.`);
     hiding = setTimeout(settle, CAUGHT_UP_MILLISECONDS);
   } else if (trouble) {
     settle();

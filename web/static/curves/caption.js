@@ -96,7 +96,7 @@ function displayText(panel, view, labels) {
 function limitsText(x, y, isRobust) {
   const isCut = [...x.limits, ...y.limits].some((limit) => limit !== null);
   if (!isCut) return "";
-  const left = isRobust ? " (outliers, 2 % at either end, do not set them)" : "";
+  const left = isRobust ? " (set without outliers, 2 % at either end)" : "";
   return `Axes have limits${left}; what lies beyond them is not shown.`;
 }
 

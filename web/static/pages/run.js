@@ -172,7 +172,7 @@ function showCheckpoints({ checkpoint_timestep: newest, resumed_timestep: resume
   at("checkpoints").hidden = false;
   showFacts(at("checkpoint-list"), {
     "newest at timestep": newest > 0 ? count(newest) : "none",
-    "taken up at timestep": resumed ? count(resumed) : "from the start",
+    "resumed at timestep": resumed ? count(resumed) : "from the start",
   });
 }
 

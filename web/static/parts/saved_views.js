@@ -60,7 +60,7 @@ export class SavedViews {
   #save(name) {
     if (name === "") return;
     const isKept = write({ ...read(), [name.slice(0, LONGEST_NAME)]: JSON.parse(this.#now) });
-    setText(at("view-state"), isKept ? `Saved “${name}” in this browser.` : "This browser keeps nothing.");
+    setText(at("view-state"), isKept ? `Saved “${name}” in this browser.` : "This browser stores no views.");
     if (isKept) this.#name.value = "";
     this.#offer();
   }

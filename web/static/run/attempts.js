@@ -41,7 +41,7 @@ function entry(first) {
   const update = (/** @type {Api.Attempt} */ attempt) => {
     outcome.replaceChildren(statusMark(attempt.outcome), attempt.outcome);
     const { started_at: start, ended_at: end, resumed_timestep: from } = attempt;
-    const resumed = from ? `, taken up at ${count(from)}` : "";
+    const resumed = from ? `, resumed at ${count(from)}` : "";
     setText(took, (end === null ? "" : `, took ${duration(secondsBetween(start, end))}`) + resumed);
     setText(note, attempt.note ?? "");
     error.update(attempt.error);

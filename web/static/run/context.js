@@ -78,11 +78,11 @@ export function showKeyFigures(run, { siblings, random, best }, columns) {
   const memory = run.memory_bytes === null ? null : run.memory_bytes / 1e6;
   /** @type {[string, string][]} */
   const figures = [
-    ["Score, normalised", score === null ? "not at its end" : number(score)],
+    ["Score, normalised", score === null ? "end not reached" : number(score)],
     ["Latest return", number(latest)],
     ["normalised", number(scaled)],
     ["Processor time of training", seconds === null ? "–" : `${number(seconds)} s`],
-    ["of compiling", compiled === null ? "–" : `${number(compiled)} s`],
+    ["Processor time of compiling", compiled === null ? "–" : `${number(compiled)} s`],
     ["Memory, at most", memory === null ? "–" : `${number(memory)} MB`],
   ];
   at("key-figures").replaceChildren(
@@ -143,8 +143,8 @@ export function showParameters({ environment }, { parameters }) {
  * @returns {string}
  */
 export function phaseText({ status, attempt }) {
-  if (status === "queued" && attempt > 0) return "Waits for a worker, to be tried again.";
-  if (status === "queued") return "Waits for a worker; the page of workers says what goes first.";
+  if (status === "queued" && attempt > 0) return "Waits for a worker that tries it again.";
+  if (status === "queued") return "Waits for a worker; the page of workers shows the queue.";
   if (status === "paused") return "Paused: it waits to be resumed.";
   if (status === "running") return "Loading or compiling the learner’s kernels, then the first 800 timesteps.";
   return "Nothing was measured.";

@@ -13,7 +13,7 @@ export async function cancelRun(run) {
     title: "Cancel this run?",
     detail:
       `${run.label} in ${run.environment}, seed ${run.seed}, will stop for good. ` +
-      "The other runs go on, and what was measured stays.",
+      "The other runs go on, and measurements stay.",
     yes: "Cancel the run",
     no: "Let it run",
   });

@@ -72,8 +72,7 @@ function isMeant(length) {
   return confirm({
     title: `Cancel ${counted(length, "run")}?`,
     detail:
-      "Those that have not ended will stop for good. The other runs go on, and what was measured " +
-      "stays.",
+      "Runs that have not ended will stop for good. The other runs go on, and measurements stay.",
     yes: length === 1 ? "Cancel the run" : "Cancel the runs",
     no: "Let them run",
   });

@@ -38,9 +38,9 @@ export class Surface {
   /** What the picture shows, in words. */
   get caption() {
     return (
-      `The critic’s Q over position (across) and action (up), and what simulation gives for the ` +
+      `The critic’s Q over position (across) and action (up), and the simulated value of the ` +
       `best controller; dark ${number(this.#low)}, bright ${number(this.#high)}. ` +
-      "The line is the policy, the ring the step that is shown."
+      "The line is the policy; the ring marks the step that is shown."
     );
   }
 

@@ -135,6 +135,6 @@ function sentence({ rewards, terminated, contacts, timestep }) {
   return (
     `An episode of the policy as of timestep ${count(timestep)}, without noise; ` +
     `return ${number(total)}. ${end}${arrows}` +
-    "Keys: k plays and pauses, comma and full stop go a step back and on."
+    "Keys: k plays and pauses, comma and full stop go one step back and forward."
   );
 }

@@ -53,7 +53,7 @@ export class LearnerFields {
     this.#box = element("input", { type: "checkbox", name: "algorithm", value: name });
     this.#box.checked = this.#box.hidden = place > 0;
     const identity = { colour: algorithmColour(name), dash: [] };
-    const text = element("span", { class: "muted" }, place === 0 ? summary : "once more");
+    const text = element("span", { class: "muted" }, place === 0 ? summary : "another entry");
     this.#label = textField(`label-${id}`, "Label", "Shown instead of the algorithm’s name");
     this.#weights = textField(`weights-${id}`, "Weights w1, w2", WEIGHTS_HINT);
     this.#together = textField(`together-${id}`, "Together", TOGETHER_HINT);
@@ -113,7 +113,7 @@ export class LearnerFields {
     this.#box.disabled = !this.isChosen && chosen.length > 0 && this.#able(chosen).length === 0;
     this.#reason.textContent = [
       lacking.length > 0 ? `not in ${lacking.join(", ")}: its reward has no gradient` : "",
-      this.isChosen && left.length > 0 ? `not in ${left.join(", ")}: as in the sweep before` : "",
+      this.isChosen && left.length > 0 ? `not in ${left.join(", ")}: as in the previous sweep` : "",
     ]
       .filter(Boolean)
       .join("; ");

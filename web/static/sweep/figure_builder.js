@@ -20,7 +20,7 @@ export class FigureBuilder {
   #id;
   #view;
   #details = at("figure-builder", HTMLDetailsElement);
-  #preview = element("img", { id: "figure-preview", alt: "The figure as it will be" });
+  #preview = element("img", { id: "figure-preview", alt: "Preview of the figure" });
   #showEntries;
   #showTasks;
   /** @type {Api.Panel[]} */

@@ -15,7 +15,7 @@ export async function cancelSweep(sweep) {
     .map((status) => counted(sweep.runs[status], `${status} run`));
   const meant = await confirm({
     title: `Cancel “${sweep.name}”?`,
-    detail: `${stopping.join(" and ")} will stop for good. What was measured stays.`,
+    detail: `${stopping.join(" and ")} will stop for good. Measurements stay.`,
     yes: "Cancel the sweep",
     no: "Let it run",
   });
@@ -32,7 +32,7 @@ export async function cancelSweep(sweep) {
 export async function deleteSweep({ id, name, runs }) {
   const meant = await confirm({
     title: `Delete “${name}”?`,
-    detail: `Its ${counted(runs.total, "run")} go for good, with all that was measured and learned.`,
+    detail: `This deletes its ${counted(runs.total, "run")} for good, with measurements and policies.`,
     yes: "Delete the sweep",
     no: "Keep it",
   });

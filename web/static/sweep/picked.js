@@ -84,8 +84,8 @@ function isMeant(length) {
   return confirm({
     title: `Delete ${counted(length, "sweep")}?`,
     detail:
-      "What they measured and learned goes with them, for good. Those that have not ended are " +
-      "refused.",
+      "This deletes their measurements and policies, too, for good. Sweeps that have not ended " +
+      "are refused.",
     yes: length === 1 ? "Delete the sweep" : "Delete the sweeps",
     no: "Keep them",
   });

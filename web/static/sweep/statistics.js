@@ -23,7 +23,7 @@ import { against, differenceMatrix, improvementMatrix, labelsOf } from "./pairs.
  */
 
 const MOST_SENTENCES = 6; // more pairs are a matrix
-const MATRIX_TEXT = "Bold: the interval leaves no doubt about the sign; it stands in each cell’s title.";
+const MATRIX_TEXT = "Bold: the interval excludes a tie; the title of each cell shows it.";
 
 /** @type {import("../charts/limits.js").Limits} */
 const NO_LIMITS = [null, null];
@@ -173,7 +173,7 @@ function drawProfiles(figure, { definition, thresholds, profiles }, known, count
  * @returns {string}
  */
 function commonTasks({ definition, tasks, lacking, unscored, incomplete }) {
-  if (tasks.length === 0) return "No task has a score of every learner yet: runs count at their end.";
+  if (tasks.length === 0) return "No task has a score of every learner yet: runs count when they have ended.";
   const rest = lacking.map(({ environment }) => environment);
   const left = rest.length > 0 ? ` Left out, because a learner has no score there: ${rest.join(", ")}.` : "";
   const without = unscored.length > 0 ? ` Without any score: ${unscored.join(", ")}.` : "";
@@ -191,7 +191,7 @@ function missing(incomplete) {
   const cells = incomplete.map(({ label, environment, n, runs, unfinished }) => {
     return `${label} in ${environment}: ${[`n ${n} of ${runs}`, ...statusTexts(unfinished)].join(", ")}`;
   });
-  return ` ${cells.join("; ")}. Where runs failed or diverged, the others say too much.`;
+  return ` ${cells.join("; ")}. Where runs failed or diverged, the scores are likely to be too high.`;
 }
 
 /**

@@ -21,7 +21,7 @@ export function askingOf({ runs, waiting, done, failed }) {
  * @returns {string}
  */
 export function stateText({ runs, waiting, done, failed }) {
-  if (runs === 0) return "It can be asked for when a run has reached its end.";
+  if (runs === 0) return "A diagnosis needs a run that has reached its end.";
   const ended = done + failed;
   if (waiting > 0) return `${ended} of ${counted(runs, "run")} diagnosed …`;
   if (ended === 0) {

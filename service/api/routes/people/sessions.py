@@ -19,14 +19,14 @@ router = APIRouter(tags=["people"], dependencies=[MAY_READ])
 def add_sign_in_link(
     asked: SignInRequest, request: Request, caller: TheCaller, register: TheRegister
 ) -> SignInAnswer:
-    """Make a link that signs a browser in as whoever asks, once, within ten minutes."""
+    """Make a link that signs one browser in as the caller, within ten minutes."""
     link = link_to(request, signin_path(register.new_code(caller), asked.page))
     return SignInAnswer(link=link, seconds=CODE_SECONDS)
 
 
 @router.get("/sessions")
 def list_sessions(caller: TheCaller, register: TheRegister) -> list[SessionAnswer]:
-    """List the browsers that are signed in: one's own, an administrator those of all."""
+    """List the caller's signed-in browsers; for an administrator, those of all users."""
     return [SessionAnswer.of(session) for session in _of(caller, register)]
 
 

@@ -1,4 +1,4 @@
-"""Shares: links that let whoever has them read some sweeps, for a time."""
+"""Shares: links by which anybody can read some sweeps, for a time."""
 
 from http import HTTPStatus
 
@@ -17,7 +17,7 @@ router = APIRouter(prefix="/shares", tags=["people"])
 
 @router.get("", dependencies=[MAY_READ])
 def list_shares(caller: TheCaller, register: TheRegister) -> list[ShareAnswer]:
-    """List the shares that have not expired: one's own, an administrator those of all."""
+    """List the caller's shares that have not expired; for an administrator, those of all users."""
     return [ShareAnswer.of(share) for share in _of(caller, register)]
 
 
@@ -29,9 +29,9 @@ def add_share(
     register: TheRegister,
     store: TheStore,
 ) -> NewShareAnswer:
-    """Make a link that opens a page without signing in, and tell it, this once.
+    """Make a link that opens a page without signing in. The answer shows it this once.
 
-    Whoever has it can read all of these sweeps until it expires, and nothing else.
+    Anybody who has it can read all of these sweeps until it expires, and nothing else.
     """
     _refuse_unknown(asked.sweeps, store)
     sweeps, page = tuple(asked.sweeps), asked.opened
@@ -42,7 +42,7 @@ def add_share(
 
 @router.delete("/{share_id}", dependencies=[MAY_READ])
 def revoke_share(share_id: str, caller: TheCaller, register: TheRegister) -> ShareAnswer:
-    """Take a share back, at once."""
+    """Revoke a share at once."""
     for share in _of(caller, register):
         if share.id == share_id:
             register.remove_share(share_id)
@@ -55,7 +55,7 @@ def _of(caller: Caller, register: TheRegister) -> list[Share]:
 
 
 def _refuse_unknown(sweeps: list[str], store: Store) -> None:
-    """Raise InvalidRequest with every sweep that there is not."""
+    """Raise InvalidRequest with every sweep that does not exist."""
     known = store.sweep_owners([each for each in sweeps if may_be_id(each)])
     faults = [
         Fault(f"sweeps[{place}]", f"there is no sweep {printable(each)!r}")

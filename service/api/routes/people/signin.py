@@ -1,9 +1,9 @@
 """Signing a browser in and out.
 
-A browser comes by a link with a code, which is good once and for minutes, or a person pastes a
-token, which is posted and so stands in no address. Either is exchanged for the cookie of a session.
-A shared link is to this page too: its token stands behind the #, which browsers send to nobody, and
-the page's script puts it into the form.
+A browser follows a link with a code, which is valid once and for minutes, or a person pastes a
+token, which is posted and so is in no address. Either is exchanged for the cookie of a session. A
+shared link leads to this page, too: its token is behind the #, which browsers do not send, and the
+page's script puts it into the form.
 """
 
 from http import HTTPStatus
@@ -29,10 +29,10 @@ USED = (
     "within ten minutes. `d3pg signin` prints a new one, or paste a token."
 )
 WRONG = (
-    "This token is not (or no longer) valid. `d3pg token` prints the token of the service; an "
+    "This token is not valid, or not any more. `d3pg token` prints the token of the service; an "
     "administrator makes others with `d3pg users add`."
 )
-SCRAPES = "This token is for reading /metrics alone, and signs no browser in."
+SCRAPES = "This token is for reading /metrics alone and cannot sign a browser in."
 
 
 @router.get("/signin", dependencies=[OPEN])
@@ -41,7 +41,7 @@ def sign_in_by_code(
     code: Annotated[str, Query(max_length=1000)] = "",
     next: Annotated[str, Query(max_length=1000)] = "/",  # noqa: A002 - the name in the URL
 ) -> Response:
-    """Sign in by a code and go on to a page of ours; who is signed in already goes on at once."""
+    """Sign in by a code and redirect to a page of ours; a signed-in browser goes there at once."""
     register: Register = request.app.state.register
     target = next if is_path_of_ours(next) else "/"
     caller = register.redeem(code) if code else None
@@ -55,7 +55,7 @@ def sign_in_by_code(
 
 @router.post("/signin", dependencies=[OPEN])
 async def sign_in_by_token(request: Request) -> Response:
-    """Sign in by the token in a form, and go on to a page of ours."""
+    """Sign in by the token in a form, and redirect to a page of ours."""
     register: Register = request.app.state.register
     fields = parse_qs((await request.body()).decode(errors="replace"))
     wanted = fields.get("next", ["/"])[0]
@@ -84,12 +84,12 @@ def sign_out(request: Request) -> Response:
 
 
 def is_path_of_ours(target: str) -> bool:
-    """Whether a browser takes it for a path here; what follows two slashes is a host."""
+    """Whether browsers read it as a path of this service; after two slashes, they read a host."""
     return target.startswith("/") and target[1:2] not in {"/", "\\"} and target.isprintable()
 
 
 def _signed_in(request: Request, caller: Caller, target: str) -> Response:
-    """Open a session, and go on."""
+    """Open a session, and redirect."""
     register: Register = request.app.state.register
     secret = register.open_session(caller, request.headers.get("user-agent", ""))
     response = _forward(request, target)
@@ -101,10 +101,10 @@ def _signed_in(request: Request, caller: Caller, target: str) -> Response:
 
 
 def _forward(request: Request, target: str) -> Response:
-    """Redirect; by a page where the link was followed on another site.
+    """Redirect; by a page if the link was followed on another site.
 
-    A redirect still counts as that site's request, and a SameSite=Strict cookie would not be sent
-    along; what a page of ours opens is ours.
+    A redirect would still count as that site's request, without a SameSite=Strict cookie. What a
+    page of ours opens has the cookie.
     """
     response = RedirectResponse(here(target), HTTPStatus.SEE_OTHER)
     if request.headers.get("sec-fetch-site", "none") in {"none", "same-origin"}:

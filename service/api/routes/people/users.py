@@ -15,15 +15,15 @@ router = APIRouter(prefix="/users", tags=["people"], dependencies=[MAY_ADMINISTE
 
 @router.get("")
 def list_users(register: TheRegister) -> list[UserAnswer]:
-    """List users by name, those that were revoked too. The administrator is none of them."""
+    """List users by name, revoked ones included. The administrator is not one of them."""
     return [UserAnswer.of(user) for user in register.users()]
 
 
 @router.post("", status_code=HTTPStatus.CREATED)
 def add_user(request: UserRequest, register: TheRegister) -> NewUserAnswer:
-    """Make a user and tell its token, this once. 409 where there is one of that name.
+    """Add a user. The answer shows the token this once. 409 if the name is in use.
 
-    Somebody who was revoked gets another token, and has their sweeps again.
+    A user who was revoked gets a new token, and their sweeps back.
     """
     token = refusing(lambda: register.add_user(request.name, request.scope))
     user = UserAnswer.of(_found(request.name, register))
@@ -32,7 +32,7 @@ def add_user(request: UserRequest, register: TheRegister) -> NewUserAnswer:
 
 @router.delete("/{name}")
 def revoke_user(name: str, register: TheRegister) -> UserAnswer:
-    """Take a user's token away, at once, with its sessions and shares. Its sweeps stay."""
+    """Revoke a user at once: token, sessions and shares. The user's sweeps stay."""
     _found(name, register)
     register.revoke_user(name)
     return UserAnswer.of(_found(name, register))

@@ -46,7 +46,7 @@ class BandQuery(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
     normalized: bool | None = Field(
-        default=None, description="0 acts at random, 1 is the best. Left out: true for returns."
+        default=None, description="0 acts at random, 1 is the best. By default true for returns."
     )
     band: Band = "std"
     x: Abscissa = Field(
@@ -58,8 +58,8 @@ class BandQuery(BaseModel):
         ge=2,
         le=MAX_POINTS,
         description=(
-            "Of a curve, by leaving points out; fewer where all curves together would have more "
-            f"than {MAX_TOTAL_POINTS}."
+            "Points of a curve, at most; others are left out. Fewer if all curves together would "
+            f"have more than {MAX_TOTAL_POINTS}."
         ),
     )
 
@@ -77,12 +77,12 @@ class CurveQuery(BandQuery):
         max_length=100,
         description="`return_mean`, `return_history`, or a diagnostic that the runs measure.",
     )
-    seeds: bool = Field(default=False, description="Each run's own curve too.")
+    seeds: bool = Field(default=False, description="The curve of each run, too.")
     run: int | None = Field(
         default=None,
         ge=0,
         le=MAX_RUNS,
-        description="Of this run alone: the number at the end of its id.",
+        description="This run alone: the number at the end of its id.",
     )
 
 
@@ -90,7 +90,7 @@ class CurveQuery(BandQuery):
 def get_curves(
     sweep: TheCompared, query: Annotated[CurveQuery, Query()], store: TheStore
 ) -> Response:
-    """Answer mean and band over seeds, exact, from all of them, with n."""
+    """Answer mean and band over all seeds, exact, with n."""
     view = replace(query.view(query.metric), with_seeds=query.seeds)
     comparison = compared(store, sweep, view, query.run)
     return Response(curves_json(sweep.id, comparison, query.seeds), media_type="application/json")
@@ -125,7 +125,9 @@ def compared_by(
 ) -> list[Comparison]:
     """Return what `compared` says for each view; they have one abscissa, and are read together."""
     if run is not None and len(sweep.sweeps) > 1:
-        raise InvalidRequest([Fault("run", "is the number of a run of one sweep, not of several")])
+        raise InvalidRequest(
+            [Fault("run", "is for one sweep, not for several: leave it out, or name one sweep")]
+        )
     _refuse_metrics(store, sweep, views)
     curves = run_curves(store, sweep, [view.metric for view in views], views[0].x, run)
     zeros = store.random_returns()

@@ -1,4 +1,4 @@
-"""Diagnoses: where the simulator's gradients help a run or a sweep, asked for, told and drawn."""
+"""Diagnoses of where the simulator's gradients help: requested, answered and drawn."""
 
 from collections.abc import Sequence
 from http import HTTPStatus
@@ -64,10 +64,10 @@ def diagnose_run(
     learned: TheLearned,
     diagnoser: TheDiagnoser,
 ) -> DiagnosisAnswer:
-    """Ask for the diagnosis of a run that has ended, of what it has learned.
+    """Request the diagnosis of a run that has ended, from what it has learned.
 
-    It takes some seconds and is made once; asked for again, it is the same, and one that failed is
-    tried again.
+    It takes some seconds and is made once. A repeated request answers the same diagnosis; one that
+    failed is tried again.
     """
     _refuse_undiagnosable(run, learned)
     _ask(diagnoser, [run])
@@ -76,7 +76,7 @@ def diagnose_run(
 
 @runs.get("", dependencies=[MAY_READ])
 def get_run_diagnosis(run: TheRun, label: TheLabel, store: TheStore) -> DiagnosisAnswer:
-    """Tell what was found about a run, or how far its diagnosis is."""
+    """Answer the diagnosis of a run, or its progress."""
     return _of_run(store, run, label)
 
 
@@ -89,7 +89,7 @@ def get_run_diagnosis(run: TheRun, label: TheLabel, store: TheStore) -> Diagnosi
 def get_run_diagnosis_figure(
     run: TheRun, figure: FigureName, form: Form, store: TheStore, side: TheSide
 ) -> Response:
-    """Draw a figure of what was found about a run."""
+    """Draw a figure of the diagnosis of a run."""
     entries = Entries(store.sweep_request(run.sweep_id))
     diagnoses = [store.find_diagnosis(run.id)]
     subject = f"{entries.label(run)}, seed {run.spec.seed} ({run.id})"
@@ -100,20 +100,20 @@ def get_run_diagnosis_figure(
 def diagnose_sweep(
     sweep: TheSweep, cells: Cells, store: TheStore, diagnoser: TheDiagnoser
 ) -> DiagnosisAnswer:
-    """Ask for the diagnoses of the first runs of each cell that reached their end.
+    """Request the diagnoses of the first runs of each cell that reached their end.
 
-    Each takes some seconds and is made once, one after the other; those that failed are tried
+    Each takes some seconds and is made once, one after the other. Those that failed are tried
     again.
     """
     diagnoses = _of_cells(store, sweep, cells)
     if not diagnoses:
         raise ImpossibleMove(
-            f"No run of sweep {sweep.id} has reached its end: a run is diagnosed when it has."
+            f"No run of sweep {sweep.id} has reached its end, and only such runs can be diagnosed."
         )
     if len(diagnoses) > MOST_AT_ONCE:
         reason = (
-            f"would be {len(diagnoses)} diagnoses, at most {MOST_AT_ONCE} are asked for at once: "
-            "ask for fewer seeds, or for one environment after the other"
+            f"would be {len(diagnoses)} diagnoses; at most {MOST_AT_ONCE} are possible at once: "
+            "ask for fewer seeds, or for one environment at a time"
         )
         raise InvalidRequest([Fault("seeds", reason, MOST_AT_ONCE)])
     _ask(diagnoser, [each.run for each in diagnoses])
@@ -122,7 +122,7 @@ def diagnose_sweep(
 
 @told.get("")
 def get_sweep_diagnosis(sweep: TheSweep, cells: Cells, store: TheStore) -> DiagnosisAnswer:
-    """Tell what was found about the runs of a sweep, as medians over the seeds of each cell."""
+    """Answer the diagnoses of the runs of a sweep, as medians over the seeds of each cell."""
     return _of_sweep(store, sweep, cells)
 
 
@@ -135,7 +135,7 @@ def get_sweep_diagnosis_figure(
     store: TheStore,
     side: TheSide,
 ) -> Response:
-    """Draw a figure of what was found about the runs of a sweep: a column a task."""
+    """Draw a figure of the diagnoses of the runs of a sweep: a column a task."""
     diagnoses = _of_cells(store, sweep, cells)
     subject = f"{sweep.name} ({sweep.id})"
     return _drawn(side, figure, subject, diagnoses, Entries(sweep.request), form)
@@ -147,9 +147,9 @@ router.include_router(told)
 
 
 def _refuse_undiagnosable(run: Run, learned: Learned) -> None:
-    """Raise ImpossibleMove or ServiceBusy, with what stands in a diagnosis's way."""
+    """Raise ImpossibleMove or ServiceBusy, with the reason why a run cannot be diagnosed."""
     if not run.status.is_final:
-        raise ImpossibleMove(f"Run {run.id} is {run.status}: a run is diagnosed when it has ended.")
+        raise ImpossibleMove(f"Run {run.id} is {run.status}: only ended runs can be diagnosed.")
     learned.refuse_missing(run)
 
 
@@ -189,7 +189,7 @@ def _drawn(
     entries: Entries,
     form: Form,
 ) -> Response:
-    """Draw. Raises NotFound where there is nothing to show, ServiceBusy."""
+    """Draw a figure. Raises NotFound if there is nothing to show, and ServiceBusy."""
     cells = diagnosed_cells(diagnoses, entries.label)
     if figure not in figures_of(cells):
         raise NotFound(_nothing_of(figure, bool(cells)))
@@ -206,4 +206,4 @@ def _nothing_of(figure: FigureName, is_diagnosed: bool) -> str:
     """Why there is no figure."""
     if is_diagnosed:
         return f"Nothing to draw for {FIGURES[figure].title!r}: these runs have no critic."
-    return "Nothing is diagnosed yet: POST to the address without the figure asks for it."
+    return "There is no diagnosis yet: request one by POST to this address without the figure."

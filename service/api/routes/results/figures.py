@@ -164,7 +164,7 @@ def _paper_rows(
 
 
 def refuse_more_curves(rows: Sequence[Comparison], most: int) -> None:
-    """Raise InvalidRequest for more curves than eyes can tell apart."""
+    """Raise InvalidRequest for more curves than a reader can tell apart."""
     curves = sum(len(panel.curves) for panel in rows[0].panels)
     if curves > most:
         raise InvalidRequest(

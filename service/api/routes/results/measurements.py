@@ -1,4 +1,4 @@
-"""What a run measured: every point, exact."""
+"""The measurements of runs: every point, exact."""
 
 from collections.abc import Iterator, Sequence
 from importlib import import_module
@@ -57,7 +57,7 @@ def get_measurements(
     request: Request,
     store: TheStore,
     format: Annotated[  # noqa: A002 - the name in the URL
-        Format | None, Query(description="Left out: as the Accept header says, else JSON.")
+        Format | None, Query(description="By default as the Accept header says, else JSON.")
     ] = None,
 ) -> Response:
     """Answer every measurement of a run, as JSON columns or as CSV."""
@@ -89,7 +89,7 @@ def get_sweep_measurements(
     request: Request,
     store: TheStore,
     format: Annotated[  # noqa: A002 - the name in the URL
-        SweepFormat | None, Query(description="Left out: as the Accept header says, else CSV.")
+        SweepFormat | None, Query(description="By default as the Accept header says, else CSV.")
     ] = None,
 ) -> StreamingResponse:
     """Answer every measurement of all runs of a sweep, a row a measurement.

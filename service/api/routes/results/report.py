@@ -107,7 +107,7 @@ def _statistics(store: Store, sweep: Compared) -> tuple[list[Table], str]:
 
 
 def _fingerprint(store: Store, sweep_id: str) -> Mapping[str, Any] | None:
-    """What the sweep's first run was trained with."""
+    """The fingerprint of the sweep's first run."""
     first = store.list_runs(sweep_id, limit=1)
     return first[0].fingerprint if first else None
 

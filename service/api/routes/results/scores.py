@@ -1,4 +1,4 @@
-"""What the runs of a sweep have reached: the table, the statistics, its verdict, its search."""
+"""Results of a sweep's runs: the table, the statistics, the verdict, the search."""
 
 from collections.abc import Sequence
 from typing import Annotated, Literal
@@ -75,12 +75,12 @@ class ScoreQuery(BaseModel):
 
 
 class StatisticsQuery(ScoreQuery):
-    """Which score, and what the differences are from."""
+    """Which score, and the reference of the differences."""
 
     reference: Text | None = Field(
         default=None,
-        description="The label of the entry that paired differences are from. Left out: of each "
-        "entry those of the algorithm that its own extends.",
+        description="Label of the entry that paired differences refer to. By default, each entry "
+        "is compared with those of the algorithm that its own extends.",
     )
 
 
@@ -94,7 +94,7 @@ class TableQuery(ScaleQuery):
     """Which score, and in which form."""
 
     format: TableForm | None = Field(
-        default=None, description="Left out: as the Accept header says, else JSON."
+        default=None, description="By default as the Accept header says, else JSON."
     )
 
 
@@ -106,7 +106,7 @@ class TableQuery(ScaleQuery):
 def get_table(
     sweep: TheCompared, query: Annotated[TableQuery, Query()], request: Request, store: TheStore
 ) -> Response:
-    """Answer what every entry of the sweep reached in every task.
+    """Answer the score of every entry of the sweep in every task.
 
     With `score=return_history` it is the paper's table 1 for this sweep.
     """
@@ -132,7 +132,7 @@ def get_scores(
 def get_statistics(
     sweep: TheCompared, query: Annotated[StatisticsQuery, Query()], store: TheStore
 ) -> StatisticsAnswer:
-    """Answer what the sweep says of its entries over all tasks, with intervals."""
+    """Answer statistics of the entries over all tasks, with intervals."""
     return statistics_of(store, sweep, query.score, query.reference)
 
 
@@ -156,7 +156,7 @@ def statistics_of(
 
 @router.get("/verdict")
 def get_verdict(sweep: TheSweep, store: TheStore) -> VerdictAnswer:
-    """Answer what is decided of the sweep's question, how, and how many more seeds it may take."""
+    """Answer what is decided of the sweep's question, why, and how many more seeds it may take."""
     question = Question.of(sweep.request)
     if question is None:
         raise NotFound(f"Sweep {sweep.id} asks no question: submit one with `question`.")
@@ -195,7 +195,7 @@ def _refuse_unknown(reference: str | None, labels: Sequence[str]) -> None:
 
 
 def _refuse_too_many(cells: Sequence[CellScores]) -> None:
-    """Raise InvalidRequest where comparing all curves would take minutes."""
+    """Raise InvalidRequest if comparing all curves would take minutes."""
     curves = len({cell.label for cell in cells})
     compared = curves**2 * sum(
         max(len(cell.seeds) for cell in own) ** 2
@@ -204,7 +204,7 @@ def _refuse_too_many(cells: Sequence[CellScores]) -> None:
     if compared > MAX_COMPARED:
         message = (
             f"its {curves} curves have {compared} pairs of runs to compare in all tasks; "
-            f"statistics are limited to {MAX_COMPARED}: submit what is to be compared by itself"
+            f"statistics are limited to {MAX_COMPARED}: submit what you want to compare on its own"
         )
         raise InvalidRequest([Fault("sweep", message, MAX_COMPARED)])
 

@@ -27,7 +27,7 @@ OWN_COLUMNS = (
 
 
 SPEC_COLUMNS = ("run", "label", "algorithm", "environment", "w1", "w2", "config", "seed")
-"""Of a sweep, in front of those: what run a measurement is of."""
+"""Columns of a sweep before those: the run that a measurement belongs to."""
 
 
 class NonfiniteAnswer(BaseModel):

@@ -22,7 +22,7 @@ def question_score(text: str) -> str:
 
 
 class QuestionRequest(Request):
-    """A question: the sweep gets seeds until each comparison of it is decided in each task."""
+    """A question: the sweep gets seeds until each of its comparisons is decided in each task."""
 
     model_config = ConfigDict(serialize_by_alias=True)
 
@@ -42,21 +42,21 @@ class QuestionRequest(Request):
         default=0.02,
         gt=0,
         lt=1,
-        description="Differences of less than that do not matter: equivalent within it.",
+        description="Smaller differences do not matter: entries are equivalent within it.",
     )
     confidence: float = Field(
-        default=0.95, ge=0.5, le=0.9999, description="Of all decisions together."
+        default=0.95, ge=0.5, le=0.9999, description="Confidence of all decisions together."
     )
     max_seeds: int = Field(
-        default=128, ge=1, le=MAX_SEEDS, description="Of each entry in each task."
+        default=128, ge=1, le=MAX_SEEDS, description="Seeds of each entry in each task, at most."
     )
     batch: int = Field(default=8, ge=1, le=MAX_SEEDS, description="Seeds between two looks.")
     clip: float = Field(
         default=1.0,
         gt=0,
         le=1,
-        description="A pair's difference counts as at most so much: decides sooner, and says less "
-        "of rare failures.",
+        description="Larger differences of a pair count as this value: decides sooner, and says "
+        "less of rare failures.",
     )
     method: Method = Field(
         default="bounded",

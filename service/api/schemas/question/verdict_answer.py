@@ -38,14 +38,14 @@ KEPT_APART = (
 class SequenceAnswer(BaseModel):
     """The confidence sequence, look by look, as columns of equal length."""
 
-    n: list[int] = Field(description="Pairs that counted by then.")
+    n: list[int] = Field(description="Pairs that counted at each look.")
     mean: Numbers
     low: Numbers
     high: Numbers
 
 
 class ForecastAnswer(BaseModel):
-    """What more seeds would do, were they like those seen."""
+    """What more seeds would do if they were like those seen."""
 
     more: int | None = Field(
         description="Seeds until a decision is as likely as not; null: more than 512."
@@ -54,7 +54,7 @@ class ForecastAnswer(BaseModel):
 
 
 class ComparisonAnswer(BaseModel):
-    """What is known of one entry in one task."""
+    """What is known about one entry in one task."""
 
     environment: str
     label: str
@@ -64,17 +64,17 @@ class ComparisonAnswer(BaseModel):
         "task; `stalled`: no pair of its last batch can be compared."
     )
     sentence: str
-    seeds: int = Field(description="That the outcome rests on.")
+    seeds: int = Field(description="Seeds that the outcome is based on.")
     n: int = Field(description="Pairs that count.")
     left_out: int = Field(description="Pairs with a run that failed or was cancelled.")
     diverged: int = Field(description="Runs of `label` that diverged.")
     diverged_against: int = Field(description="Runs of `against` that diverged.")
-    confidence: float = Field(description="Of `low` and `high` by themselves.")
+    confidence: float = Field(description="Confidence of `low` and `high` by themselves.")
     mean: float | None
     low: float | None
     high: float | None
     sequence: SequenceAnswer
-    forecast: ForecastAnswer | None = Field(description="null where decided, or too early.")
+    forecast: ForecastAnswer | None = Field(description="null if decided, or if it is too early.")
 
     @classmethod
     def of(cls, answer: Answer, question: Question, *, is_settled: bool) -> Self:
@@ -109,7 +109,7 @@ class ComparisonAnswer(BaseModel):
 
 
 class VerdictAnswer(BaseModel):
-    """What a sweep's question has come to."""
+    """The verdict on a sweep's question."""
 
     model_config = ConfigDict(
         json_schema_extra={
@@ -154,12 +154,12 @@ class VerdictAnswer(BaseModel):
 
     sweep: str
     is_settled: bool = Field(description="No more seeds will be added.")
-    margin: float = Field(description="Differences of less than that do not matter.")
+    margin: float = Field(description="Smaller differences do not matter.")
     definition: str = Field(description="What is compared, in words.")
     kept_apart: str = Field(description="Which seeds do not count, because they chose settings.")
     searches: list[str] = Field(
-        description="Sweeps that searched, among the settings compared here; none of their seeds "
-        "counts."
+        description="Sweeps that searched among the settings compared here; their seeds do not "
+        "count."
     )
     comparisons: list[ComparisonAnswer] = Field(description="Task by task.")
     paper: str = Field(description="Method, numbers of seeds, correction and results in words.")

@@ -12,7 +12,7 @@ MAX_MOVED = 1000
 
 
 class BulkRequest(Request):
-    """A move, and the sweeps and runs that are asked for it."""
+    """A move, and the sweeps and runs to move."""
 
     model_config = ConfigDict(
         json_schema_extra={"examples": [{"move": "cancel", "ids": ["3f9a0c51b7de-17"]}]}
@@ -21,7 +21,7 @@ class BulkRequest(Request):
     move: BulkMove = Field(description="delete, archive and unarchive are for sweeps alone.")
     ids: Annotated[
         list[Name], Field(min_length=1, max_length=MAX_MOVED), AfterValidator(distinct)
-    ] = Field(description="Of sweeps and of runs.")
+    ] = Field(description="Ids of sweeps and of runs.")
 
 
 class RefusalAnswer(BaseModel):
@@ -60,4 +60,4 @@ class DeletionAnswer(BaseModel):
     model_config = ConfigDict(json_schema_extra={"examples": [{"id": "3f9a0c51b7de", "runs": 48}]})
 
     id: str
-    runs: int = Field(description="That it had.")
+    runs: int = Field(description="Number of runs that it had.")

@@ -1,4 +1,4 @@
-"""What `POST /sweeps/{id}/runs` takes: what a sweep is to have more of."""
+"""What `POST /sweeps/{id}/runs` takes: more seeds, entries or timesteps of a sweep."""
 
 from typing import Annotated, Self
 
@@ -28,14 +28,14 @@ class GrowthRequest(Request):
     )
 
     seeds: Annotated[list[Seed], Field(min_length=1, max_length=MAX_RUNS)] | None = Field(
-        default=None, description="Those that it has not."
+        default=None, description="Seeds that the sweep does not have yet."
     )
     algorithms: Annotated[list[AlgorithmRequest], Listed] | None = Field(
-        default=None, description="As in `POST /sweeps`."
+        default=None, description="New entries, as in `POST /sweeps`."
     )
     timesteps: Annotated[int, Field(ge=1, le=MAX_TIMESTEPS)] | None = Field(
         default=None,
-        description="Of each run from its start. Runs that have ended go on to the bits of one "
+        description="Of each run, counted from its start. An extended run has the bits of one "
         "that was as long from the start.",
     )
 
@@ -43,5 +43,5 @@ class GrowthRequest(Request):
     def _one(self) -> Self:
         given = [self.seeds, self.algorithms, self.timesteps]
         if sum(each is not None for each in given) != 1:
-            raise ValueError("give one of seeds, algorithms and timesteps, and no other")
+            raise ValueError("give exactly one of seeds, algorithms and timesteps")
         return self

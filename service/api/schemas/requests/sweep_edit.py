@@ -13,16 +13,16 @@ MAX_TAGS = 20
 NAME_TEXT = "Any text; shown and stored exactly as it is."
 NOTES_TEXT = "Markdown, shown as text."
 TAGS_TEXT = "Short texts that sweeps are found by."
-PRIORITY_TEXT = "Higher goes first."
-WEBHOOK_TEXT = "URL that is told, by a signed POST, when all runs have ended; null: none."
-MAX_WORKERS_TEXT = "Of the sweep at once; null: any number."
+PRIORITY_TEXT = "Sweeps of higher priority start first."
+WEBHOOK_TEXT = "URL that gets a signed POST when all runs have ended; null: none."
+MAX_WORKERS_TEXT = "Workers that may train the sweep at once; null: any number."
 
 
 def distinct(values: list[str]) -> list[str]:
-    """Return values that differ; raises ValueError for one that is there twice."""
+    """Return values that differ; raises ValueError for a repeated one."""
     for place, value in enumerate(values):
         if value in values[:place]:
-            raise ValueError(f"{value!r} is there twice")
+            raise ValueError(f"{value!r} appears twice")
     return values
 
 
@@ -55,9 +55,11 @@ class SweepEdit(Request):
 
     name: Name = Field(default="", description=NAME_TEXT)
     notes: Notes = Field(default="", description=NOTES_TEXT)
-    tags: Tags = Field(default=[], description=f"{TAGS_TEXT} They replace those that it has.")
+    tags: Tags = Field(default=[], description=f"{TAGS_TEXT} They replace the present tags.")
     archived: bool = Field(default=False, description="Lists leave archived sweeps out.")
-    priority: Priority = Field(default=0, description=f"{PRIORITY_TEXT} Of runs that wait.")
+    priority: Priority = Field(
+        default=0, description=f"{PRIORITY_TEXT} It applies to runs that wait."
+    )
     max_workers: MaxWorkers | None = Field(default=None, description=MAX_WORKERS_TEXT)
     webhook: WebhookURL | None = Field(default=None, description=WEBHOOK_TEXT)
 

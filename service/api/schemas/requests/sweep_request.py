@@ -42,12 +42,12 @@ MAX_CONFIG_TEXT = 1_000
 
 
 def weight(value: float) -> float:
-    """Return the number, -0.0 as 0.0: they are equal, but do not look so.
+    """Return the number, -0.0 as 0.0: they are equal, but print differently.
 
-    Raises ValueError for what is 0 to a learner, but does not look so.
+    Raises ValueError for a positive number that learners round to 0.
     """
     if 0 < value < SMALLEST_WEIGHT:
-        raise ValueError(f"is 0 to a learner: give 0, or at least {SMALLEST_WEIGHT}")
+        raise ValueError(f"is 0 in float32: give 0, or at least {SMALLEST_WEIGHT}")
     return value + 0.0
 
 
@@ -126,7 +126,7 @@ class EnvironmentRequest(Request):
     ] = Field(
         default_factory=dict,
         max_length=MAX_LISTED,
-        description="By name; `GET /catalogue` has the unit, the default and the range of each.",
+        description="Values by name; `GET /catalogue` has the unit, default and range of each.",
     )
 
     @property
@@ -148,7 +148,7 @@ def expanded(environments: list[str | EnvironmentRequest]) -> list[str]:
         for each in environments
     )
     if points > MAX_LISTED:
-        raise ValueError(f"with their grids they are {points}; there may be {MAX_LISTED}")
+        raise ValueError(f"are {points} with their grids; at most {MAX_LISTED} are allowed")
     return [text for each in environments for text in _texts(each)]
 
 
@@ -189,8 +189,7 @@ class AlgorithmRequest(Request):
     name: Name
     label: Label | None = Field(
         default=None,
-        description="What its entries are called instead of by its name; what tells them apart "
-        "follows it.",
+        description="Name of its entries instead of its own; what tells them apart follows.",
     )
     weights: (
         Annotated[
@@ -198,7 +197,7 @@ class AlgorithmRequest(Request):
             Discriminator(_one_or_list),
         ]
         | None
-    ) = Field(default=None, description="One pair, or a list of pairs; left out: the preset's.")
+    ) = Field(default=None, description="One pair, or a list of pairs; by default the preset's.")
     config: dict[Name, ConfigValue] = Field(
         default_factory=dict,
         max_length=MAX_LISTED,
@@ -213,7 +212,7 @@ class AlgorithmRequest(Request):
     )
     environments: Environments | None = Field(
         default=None,
-        description="Those of the sweep's environments that it runs in; left out: all of them.",
+        description="Environments of the sweep that it runs in; by default all of them.",
     )
 
     def runs_in(self, environment: str) -> bool:
@@ -281,15 +280,14 @@ class SweepRequest(Request):
         | Annotated[list[Seed], Field(min_length=1, max_length=MAX_RUNS), Tag("<list>")],
         Discriminator(_one_or_list),
     ] = Field(
-        description="n for the seeds 0 to n - 1, or a list of distinct ones. In a search, which "
-        "chooses them, the fewest that each entry is to have, or a list of those that are kept for "
-        "choosing settings."
+        description="n for the seeds 0 to n - 1, or a list of distinct ones. For a search, the "
+        "least number of seeds of each entry, or a list of those reserved for choosing settings."
     )
     timesteps: int | None = Field(
         default=None,
         ge=1,
         le=MAX_TIMESTEPS,
-        description="Environment steps of each run; else the preset's.",
+        description="Environment steps of each run; by default the preset's.",
     )
     scale: Annotated[
         Annotated[Share, Tag("<one>")] | Annotated[list[Share], Listed, Tag("<list>")],
@@ -303,11 +301,11 @@ class SweepRequest(Request):
     max_workers: MaxWorkers | None = Field(default=None, description=MAX_WORKERS_TEXT)
     question: QuestionRequest | None = Field(
         default=None,
-        description="What the sweep is to find out: the service adds seeds until it is decided.",
+        description="A question of the sweep: the service adds seeds until it is decided.",
     )
     search: SearchRequest | None = Field(
         default=None,
-        description="Which entry is best in each task, by successive halving, on `seeds` seeds of "
-        "its own or more.",
+        description="A search for the best entry in each task, by successive halving, on `seeds` "
+        "or more seeds of its own.",
     )
     webhook: WebhookURL | None = Field(default=None, description=WEBHOOK_TEXT)

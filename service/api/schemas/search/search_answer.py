@@ -1,4 +1,4 @@
-"""What a sweep's search has found, as answers show it."""
+"""The results of a sweep's search, as answers show them."""
 
 from typing import Any, Literal, Self
 
@@ -28,12 +28,12 @@ class StandingAnswer(BaseModel):
 
     label: str
     score: float | None = Field(
-        description="Mean over seeds, normalised; null while runs are on the way, or left out."
+        description="Mean over seeds, normalised; null while runs train, or if left out."
     )
-    climbing: int = Field(description="Runs on the way.")
-    diverged: int = Field(description="Runs that diverged before.")
-    failed: int = Field(description="Runs that failed or were cancelled before.")
-    goes_on: bool = Field(description="Among the best; on the last rung: the best.")
+    climbing: int = Field(description="Runs that have not reached the timesteps of the rung.")
+    diverged: int = Field(description="Runs that diverged before they reached them.")
+    failed: int = Field(description="Runs that failed or were cancelled before they reached them.")
+    goes_on: bool = Field(description="Whether it is among the best; on the last rung, the best.")
 
     @classmethod
     def of(cls, standing: Standing) -> Self:
@@ -52,9 +52,9 @@ class RungAnswer(BaseModel):
     """A rung of a task."""
 
     timesteps: int
-    entries: int = Field(description="That climb it at most.")
+    entries: int = Field(description="Entries on the rung, at most.")
     state: Literal["over", "climbing", "to come"]
-    standings: list[StandingAnswer] = Field(description="Where it is over, the best first.")
+    standings: list[StandingAnswer] = Field(description="The best first, if the rung is over.")
 
     @classmethod
     def of(cls, rung: Rung, climb: Climb | None) -> Self:
@@ -68,13 +68,13 @@ class RungAnswer(BaseModel):
 
 
 class SearchedTask(BaseModel):
-    """What is known of one task."""
+    """What is known about one task."""
 
     environment: str
     sentence: str
-    winner: str | None = Field(description="Label of the best entry; null while not known.")
+    winner: str | None = Field(description="Label of the best entry; null while it is not known.")
     algorithm: dict[str, Any] | None = Field(
-        description="The winner as a request has an algorithm, to be asked about in another sweep."
+        description="The winner in the form of a request, for a question in another sweep."
     )
     rungs: list[RungAnswer]
 
@@ -95,7 +95,7 @@ class SearchedTask(BaseModel):
 
 
 class SearchAnswer(BaseModel):
-    """What a sweep's search has found."""
+    """The results of a sweep's search."""
 
     model_config = ConfigDict(
         json_schema_extra={
@@ -143,7 +143,7 @@ class SearchAnswer(BaseModel):
     sweep: str
     is_settled: bool = Field(description="Nothing more will be trained.")
     budget: int
-    timesteps: int = Field(description="That all runs together come to.")
+    timesteps: int = Field(description="Timesteps of all runs together.")
     reduction: int
     score: str
     seeds: list[int]
@@ -177,7 +177,7 @@ class SearchAnswer(BaseModel):
 
 
 def sentence(ladder: Ladder) -> str:
-    """Return what is known of a task: `ddpg noise=0.4 is the best of 6: 0.74`."""
+    """Return the state of a task in words: `ddpg noise=0.4 is the best of 6: 0.74`."""
     if ladder.winner is not None:
         of = ladder.rungs[0].entries
         return f"{ladder.winner.label} is the best of {of}: {ladder.winner.score:.2f}"

@@ -17,9 +17,9 @@ class SearchRequest(Request):
         description="Timesteps of all runs together, at most. A larger one means more seeds.",
     )
     reduction: int = Field(
-        default=3, ge=2, le=100, description="On each rung one in so many entries goes on."
+        default=3, ge=2, le=100, description="One in this many entries goes on to the next rung."
     )
     score: SearchScore = Field(
         default="area",
-        description="By which entries are compared: mean over seeds, up to the rung's timesteps.",
+        description="Score that compares entries: mean over seeds, up to the rung's timesteps.",
     )

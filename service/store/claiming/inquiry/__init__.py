@@ -1,1 +1,1 @@
-"""The batches of questions and the rungs of searches: what a sweep is given next, written once."""
+"""The batches of questions and the rungs of searches, each written once."""

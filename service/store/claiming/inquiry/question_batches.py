@@ -1,9 +1,9 @@
 """A question's batches: the seeds that a sweep is given until its question is answered.
 
-Whoever asks for a batch has read the sweep's version first, and then its runs, all ended. The batch
-is written, or the question settled, only if the sweep has that version still: a run that was queued
-again meanwhile, and ended with another result, is evidence that was not seen. Asked again after it
-happened, nothing happens: no seed is in a cell twice.
+The caller reads the sweep's version first, and then its runs, which have all ended. The batch is
+written, or the question settled, only if the sweep still has that version: a run that was queued
+again meanwhile, and ended with another result, would be unseen evidence. A repeated call changes
+nothing: no seed is in a cell twice.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,7 +23,7 @@ COPIED = (
     "sweep_number", "cell", "entry", "algorithm", "environment", "environment_version", "w1", "w2",
     "config", "timesteps",
 )  # fmt: skip
-"""What the runs of a cell share."""
+"""What the runs of a cell have in common."""
 
 
 def waiting(connection: Connection) -> list[str]:
@@ -35,13 +35,13 @@ def waiting(connection: Connection) -> list[str]:
 def go_on(
     connection: Connection, sweep_id: str, seen: str | None, batch: Mapping[Cell, Sequence[int]]
 ) -> int:
-    """Write the runs of a batch that are not there yet, or settle the question where none is.
+    """Write the missing runs of a batch, or settle the question if there are none.
 
     Args:
         connection: of the writer.
         sweep_id: the sweep.
         seen: its version (see `sweeps.version`) when the batch was decided on.
-        batch: the seeds that cells are to have, those before too.
+        batch: the seeds that cells shall have, including earlier ones.
 
     Returns:
         The number of runs that were added.
@@ -57,9 +57,9 @@ def go_on(
 
 
 def waiting_sweep(connection: Connection, sweep_id: str, seen: str | None) -> Row[Any] | None:
-    """Return the row of a sweep that waits for its next round; None where it does not.
+    """Return the row of a sweep that waits for its next round; else None.
 
-    None too where the sweep is no longer as it was seen.
+    None, too, if the sweep has changed since it was seen.
     """
     if version(connection, sweep_id) != seen:
         return None
@@ -68,7 +68,7 @@ def waiting_sweep(connection: Connection, sweep_id: str, seen: str | None) -> Ro
 
 
 def close_round(connection: Connection, sweep: Row[Any], *, has_more: bool) -> None:
-    """Say that a sweep was given more to train, or settle it."""
+    """Write the event of an addition to a sweep, or settle the sweep."""
     if not has_more:
         settled = update(sweeps).where(sweeps.c.number == sweep.number)
         connection.execute(settled.values(question="settled"))
@@ -89,7 +89,7 @@ def _waits() -> ColumnElement[bool]:
 def _rows(
     connection: Connection, sweep: Row[Any], batch: Mapping[Cell, Sequence[int]]
 ) -> list[dict[str, Any]]:
-    """Return the missing runs as rows, numbered after those that are there."""
+    """Return the missing runs as rows, numbered after the present ones."""
     own = runs.c.sweep_number == sweep.number
     there = connection.execute(select(runs).where(own).order_by(runs.c.ordinal)).all()
     first = {(row.environment, row.entry): row for row in reversed(there)}

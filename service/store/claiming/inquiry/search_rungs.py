@@ -16,13 +16,13 @@ from service.store.tables import runs
 def go_on(
     connection: Connection, sweep_id: str, seen: str | None, wanted: Mapping[Cell, int]
 ) -> int:
-    """Give cells the timesteps that they lack, or settle the search where none lacks any.
+    """Give cells their missing timesteps, or settle the search if none are missing.
 
     Args:
         connection: of the writer.
         sweep_id: the sweep.
         seen: its version (see `sweeps.version`) when the rung was decided on.
-        wanted: the timesteps that cells are to have.
+        wanted: the timesteps that cells shall have.
 
     Returns:
         The number of runs that were given more.

@@ -77,7 +77,7 @@ def test_who_waits_too_long_is_told_so_and_holds_nobody_up() -> None:
             with pytest.raises(ServiceBusy) as refusal:
                 async with budget.of(1):
                     pass
-        assert "Ask again later" in str(refusal.value.detail)
+        assert "Try again later" in str(refusal.value.detail)
         async with budget.of(10):
             pass
 

@@ -94,7 +94,7 @@ def test_an_algorithm_may_run_in_a_part_of_the_grid(client: TestClient) -> None:
         (
             [{"name": "Pendulum", "parameters": {"gravity": list(range(90)), "mass": [1, 2]}}],
             "environments",
-            "with their grids they are 180; there may be 100",
+            "are 180 with their grids; at most 100 are allowed",
         ),
         (
             [{"name": "Pendulum", "parameters": {"gravity": []}}],

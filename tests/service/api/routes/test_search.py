@@ -54,11 +54,11 @@ def faults(client: TestClient, sweep: dict[str, Any]) -> dict[str, str]:
         (
             {"seeds": [100, 116]},
             "seeds",
-            "kept for choosing settings (100 to 115; 1,000,000,000 to",
+            "for choosing settings (100 to 115; 1,000,000,000 to",
         ),
-        ({"seeds": [100]}, "seeds", "2 or more of those"),
+        ({"seeds": [100]}, "seeds", "2 or more seeds"),
         ({"seeds": 1}, "seeds", "2 or more"),
-        ({"scale": [0.1, 1.0]}, "scale", "equally long"),
+        ({"scale": [0.1, 1.0]}, "scale", "equal timesteps"),
         ({"search": {"budget": 14_399}}, "search.budget", "2 seeds the search takes 14,400"),
         ({"search": {"budget": 0}}, "search.budget", "greater than or equal to 1"),
         ({"search": {}}, "search.budget", "required"),
@@ -78,7 +78,7 @@ def faults(client: TestClient, sweep: dict[str, Any]) -> dict[str, str]:
         (
             {"question": {"compare": ["ddpg noise=0.1"], "with": "ddpg noise=0.2"}},
             "search",
-            "either searches or asks",
+            "a search or a question, not both",
         ),
     ],
 )

@@ -277,7 +277,7 @@ def test_weights_of_an_algorithm_without_gradient_terms(idle_client: TestClient)
 @pytest.mark.parametrize(
     ("asked", "field", "says"),
     [
-        ({"zip": ["w1", "noise"]}, "zip[0]", "'w1' is no list of this algorithm's"),
+        ({"zip": ["w1", "noise"]}, "zip[0]", "'w1' is not a list of this algorithm"),
         ({"weights": {"w1": [0, 1]}, "zip": ["w1", "w1"]}, "zip[0]", "named twice"),
         ({"zip": ["noise", "tau"]}, "zip", "noise has 2, tau has 3"),
         ({"zip": ["noise"]}, "zip", "at least 2"),
@@ -381,7 +381,7 @@ def test_a_run_that_fits_no_worker_is_refused_with_the_timesteps_that_would(
     [refusal] = refusals(client, body | {"timesteps": 40_000}).values()
     assert refusal["field"] == "timesteps"
     assert refusal["message"] == (
-        "a run of hybrid-ddpg on HalfCheetah comes to fill 50.7 MB with algorithms[0], and the "
+        "a run of hybrid-ddpg on HalfCheetah needs up to 50.7 MB with algorithms[0], but the "
         "runs of a worker may fill 50.0 MB (D3PG_WORKER_MEMORY): ask for at most 39,432 timesteps, "
         "or set its replay_size to no more"
     )

@@ -56,7 +56,7 @@ def faults(client: TestClient, sweep: dict[str, Any]) -> dict[str, str]:
         (
             {"max_seeds": 2000, "batch": 4},
             "question.batch",
-            "499 looks, of at most 200: ask for 11",
+            "499 looks, of at most 200: give 11",
         ),
         ({"score": "seconds to 2"}, "question.score", '"seconds to X"'),
         ({"score": "best"}, "question.score", '"area", "final"'),
@@ -77,7 +77,7 @@ def test_entries_that_meet_in_no_task_cannot_be_compared(idle_client: TestClient
         {"name": "hybrid-ddpg", "environments": ["MassPoint"]},
     ]
     found = faults(idle_client, asked({"algorithms": apart}))
-    assert found == {"question.compare[0]": "'hybrid-ddpg' and 'ddpg' run in no task both"}
+    assert found == {"question.compare[0]": "'hybrid-ddpg' and 'ddpg' have no task in common"}
 
 
 def test_seeds_that_would_be_too_large_are_refused(idle_client: TestClient) -> None:

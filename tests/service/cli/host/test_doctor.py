@@ -16,7 +16,7 @@ def test_findings_are_lines_and_an_exit_code(
     lines = d3pg("doctor", code=code).stdout.splitlines()
     assert lines[0].split() == [verdict, "disk", "[b]", "3", "GB", "free"]
     assert lines[1].strip() == "-> Make room."
-    assert lines[2].startswith("1 of 1 checks failed" if code else "All that is needed")
+    assert lines[2].startswith("1 of 1 checks failed" if code else "All checks passed")
     answer = as_json(d3pg("doctor", "--json", code=code))
     assert answer["is_healthy"] is (code == 0)
     assert answer["findings"][0]["verdict"] == verdict

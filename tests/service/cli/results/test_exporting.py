@@ -125,7 +125,7 @@ def test_a_figure_s_numbers_replace_no_other_file(
     for other in ("mine,not,theirs\n1,2,3\n", "", "metric"):
         data.write_text(other, encoding="utf-8")
         refused = d3pg(command, trained, "-o", str(file), code=2).stderr
-        assert "of something else" in " ".join(refused.replace("│", " ").split())
+        assert "which has other columns" in " ".join(refused.replace("│", " ").split())
         assert data.read_text(encoding="utf-8") == other
         assert not file.exists()
     data.unlink()

@@ -87,9 +87,9 @@ def test_a_run_of_a_task_file_needs_that_file(
     def refusal(*options: str) -> str:
         return str(d3pg("verify", run.id, *options, code=1).exception)
 
-    assert "of a task file: give it with --task" in refusal()
+    assert "needs its task file: name it with --task" in refusal()
     told = refusal("--task", str(another))
-    assert f"others.py has the hash {TaskFile.read(another).digest}, and the file that" in told
+    assert f"others.py has the hash {TaskFile.read(another).digest}, but" in told
     assert digest in told
     assert "cannot be read" in refusal("--task", "nothing.py")
     assert "defines no task" in refusal("--task", str(file))
@@ -120,22 +120,22 @@ def test_a_run_that_diverged_diverges_again(
     training(monkeypatch, POINT, end=DivergedError([DIVERGED]))
     said = d3pg("verify", diverged).stdout
     assert f"{diverged}: all 1 measurements are the same, bit for bit." in said
-    assert "it ended as it had: diverged: critic loss not finite at update 400" in said
+    assert "it ended as before: diverged: critic loss not finite at update 400" in said
 
 
 @pytest.mark.parametrize(
     ("end", "said"),
     [
-        (None, "it trains on where it had diverged, at timestep 1,000"),
+        (None, "it trains beyond its divergence, at timestep 1,000"),
         (
             DivergedError([Divergence(0, 900, 350, "critic loss")]),
-            "trained again it diverged: critic loss not finite at update 350, timestep 900; "
-            "as stored it is diverged, at timestep 1,000",
+            "trained again, it diverged: critic loss not finite at update 350, timestep 900; "
+            "as stored, it is diverged, at timestep 1,000",
         ),
         (
             FailedRunsError([FAILED], []),
-            "trained again it failed at timestep 1,000: ValueError: it broke; "
-            "as stored it is diverged, at timestep 1,000",
+            "trained again, it failed at timestep 1,000: ValueError: it broke; "
+            "as stored, it is diverged, at timestep 1,000",
         ),
     ],
 )
@@ -162,8 +162,8 @@ def test_a_run_that_reached_its_end_and_diverges_now_differs(
     training(monkeypatch, POINT, end=DivergedError([DIVERGED]))
     output = d3pg("verify", run.id, code=1).stdout
     assert "measurement 2 of 2 and what follows differ" in output
-    assert "trained again it diverged" in output
-    assert "as stored it is succeeded, at timestep 1,600" in output
+    assert "trained again, it diverged" in output
+    assert "as stored, it is succeeded, at timestep 1,600" in output
 
 
 def test_what_cannot_be_compared_is_a_sentence(

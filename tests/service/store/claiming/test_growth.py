@@ -166,7 +166,7 @@ def test_what_is_added_to_a_paused_sweep_waits_with_it(store: Store) -> None:
 
 def test_impossible_additions_say_why_and_change_nothing(store: Store) -> None:
     sweep = submitted(store)
-    with pytest.raises(ImpossibleMoveError, match="was changed meanwhile: look again"):
+    with pytest.raises(ImpossibleMoveError, match="was changed meanwhile: load it again"):
         store.add_seeds(sweep.id, {**REQUEST, "seeds": 3}, [5], one)
     with pytest.raises(ImpossibleMoveError, match=r"version 1 of Pendulum, and .* has version 2"):
         store.add_seeds(sweep.id, REQUEST, [5], lambda _: 2)

@@ -154,7 +154,7 @@ def test_of_a_piecewise_constant_reward_it_is_said(client: TestClient, store: St
 def test_before_it_is_made_there_is_no_figure(client: TestClient, sweep: str) -> None:
     refusal = client.get(f"{sweep}/diagnosis/growth.svg")
     assert refusal.status_code == 404
-    assert "Nothing is diagnosed yet" in refusal.json()["detail"]
+    assert "There is no diagnosis yet" in refusal.json()["detail"]
     assert client.get(f"{sweep}/diagnosis/kinks.svg").status_code == 422
 
 
@@ -162,7 +162,7 @@ def test_what_has_not_ended_is_a_conflict(client: TestClient) -> None:
     sweep = submitted(client)
     for link, reason in (
         (sweep, "has reached its end"),
-        (runs_of(client, sweep)[0], "is queued: a run is diagnosed when it has ended"),
+        (runs_of(client, sweep)[0], "is queued: only ended runs can be diagnosed"),
     ):
         refusal = client.post(f"{link}/diagnosis")
         assert refusal.status_code == 409
@@ -214,7 +214,7 @@ def test_no_more_is_asked_for_than_can_be_made(
     monkeypatch.setattr(diagnoses, "MOST_AT_ONCE", 5)
     refusal = client.post(f"{sweep}/diagnosis")
     assert refusal.status_code == 422
-    assert "would be 6 diagnoses, at most 5" in refusal.json()["detail"]
+    assert "would be 6 diagnoses; at most 5" in refusal.json()["detail"]
     monkeypatch.setattr("service.api.diagnoser.MOST_WAITING", 3)
     full = client.post(f"{sweep}/diagnosis", params={"seeds": 2})
     assert full.status_code == 503
