@@ -31,6 +31,9 @@ BatchSize = Annotated[int, Field(ge=1, le=1024, description="transitions an upda
 Gamma = Annotated[float, Field(ge=0, le=1, description="discount a step")]
 RolloutSteps = Annotated[int, Field(ge=1, le=800, description="environment steps a cycle")]
 CycleUpdates = Annotated[int, Field(ge=1, le=800, description="updates a cycle")]
+UniformSteps = Annotated[
+    int, Field(ge=0, le=10**7, description="environment steps at first whose actions are uniform")
+]
 ReplaySize = Annotated[int, Field(ge=100, le=10**7, description="transitions remembered")]
 Environments = Annotated[
     int, Field(ge=1, le=256, description="environments that a run steps at once")
@@ -97,6 +100,7 @@ class TD3Config:
         default=0.005, gt=0, le=1, description="share that targets follow when the actor steps"
     )
     gamma: Gamma = 0.99
+    uniform_steps: UniformSteps = 1_000
     noise: float = Field(
         default=0.1, ge=0, le=1, description="standard deviation of exploration, of each action"
     )
@@ -135,6 +139,7 @@ class SACConfig:
         le=10**6,
         description="factor of rewards, the inverse of a fixed temperature",
     )
+    uniform_steps: UniformSteps = 1_000
     temperature: Literal["fixed", "learned"] = Field(
         default="fixed", description="fixed as in 2018, or learned for an entropy of -m as in 2019"
     )

@@ -25,7 +25,8 @@ not the minimum, in the policy's loss; the hybrid, "D3PG" (2019), appendix A.2. 
   V;
 - squared losses have no factor 1/2, so that w1 and w2 weigh as they do in DDPG;
 - 100 steps, then 100 updates; not step by step. All networks are updated from one batch;
-- no uniform actions at first: the initial policy is the tanh of about a standard normal;
+- updates begin with the first cycle; in the authors' code, after the first 1,000 steps, whose
+  actions are uniform in both;
 - log(1 - tanh^2 u) is exact (algorithms.networks.gaussian);
 - with a learned temperature, V stays; the authors' later code has target critics in its place;
 - nothing regularises the policy. The authors' code has a regulariser, 1e-3 times the means of
@@ -95,6 +96,7 @@ class SAC:
         self._networks = initial_networks(self._shapes, seed)
         self.actor_shape, self.actor = self._shapes.policy, self._networks.policy
         self.critic = self._networks.critics[0]
+        self.uniform_steps = config.uniform_steps
         self._seed = seed
         self._coordinates = coordinates
         self._matching = matching

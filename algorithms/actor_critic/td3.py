@@ -6,7 +6,8 @@
     actor    up     1/B sum Q1(s, pi(s)),                                   every second update
     targets  Q' += tau (Q - Q'),   pi' += tau (pi - pi'),                   every second update
 
-It explores with noise N(0, 0.1) on each action. The hybrid adds to both critics' losses the robust
+It explores with uniform actions for the first 1,000 steps, then with noise N(0, 0.1) on each action
+of its policy. The hybrid adds to both critics' losses the robust
 gradient loss (algorithms.matching.losses) against the gradient of Qhat, of the lesser Q'.
 
 Sources: Fujimoto et al. (2018), "Addressing function approximation error in actor-critic methods",
@@ -16,8 +17,8 @@ and the authors' code, commit 6a9f761. Differences:
   layer normalisation, small last layers; not 256-256 ReLU. Batches are of 64, not 256;
 - features are normalised, and both critics' unit follows their targets
   (algorithms.networks.value_scale);
-- a cycle of environment steps, then one of updates; not step by step. No uniform actions at first:
-  the initial actor is near 0, and the noise explores about it;
+- a cycle of environment steps, then one of updates; not step by step. Updates begin with the first
+  cycle; in the authors' code, after the uniform actions;
 - everything in float32 but the simulator and the statistics.
 """
 
@@ -61,6 +62,7 @@ class TD3:
         """Draw the initial networks."""
         features, m = environment.feature_size, environment.action_size
         self.reward_scale = 1.0
+        self.uniform_steps = config.uniform_steps
         self.actor_shape = shape_of(features, m, config)
         self._critic_shape = shape_of(features + m, 1, config)
         self.actor = learned(initial_theta(self.actor_shape, generator(seed, "actor")))

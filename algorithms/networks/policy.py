@@ -9,6 +9,9 @@ from numpy.typing import NDArray
 from algorithms.networks.actor import act_rows
 from algorithms.networks.shape import Shape
 
+NEARLY_ONE = float(np.nextafter(np.float32(1), np.float32(0)))
+"""The largest action whose inverse tanh is finite."""
+
 
 class Policy(NamedTuple):
     """What one run's actor is made of: a network, the features' scale, and noise to act with."""
@@ -31,6 +34,18 @@ def deterministic(
 ) -> Policy:
     """A policy that acts without noise."""
     return Policy(theta, mean, inverse, np.empty((0, action_size), np.float32))
+
+
+def uniform(policy: Policy, shape: Shape, steps: int, draws: np.random.Generator) -> Policy:
+    """A policy whose actions of the next steps are uniform: noise about a network of zeros.
+
+    A deterministic actor's noise is added to its action 0. A stochastic one has spread 1 there, so
+    that its action is the tanh of its noise.
+    """
+    m = policy.noise.shape[1]
+    actions = draws.uniform(-NEARLY_ONE, NEARLY_ONE, (steps, m))
+    noise = np.arctanh(actions) if shape.outputs > m else actions
+    return policy._replace(theta=np.zeros_like(policy.theta), noise=noise.astype(np.float32))
 
 
 class Policies:

@@ -20,6 +20,7 @@ CASES: list[tuple[str, str, tuple[float, float], dict[str, Any]]] = [
     ("hybrid-ddpg", "Pendulum", (0.1, 0.01), {"replay_size": 250}),
     ("hybrid-ddpg", "CartPole", (0.1, 0.01), {}),
     ("sac", "Pendulum", (0.0, 0.0), {}),
+    ("td3", "CartPole", (0.0, 0.0), {"uniform_steps": 850}),
     ("hybrid-sac", "CartPole", (0.1, 0.01), {"replay_size": 250}),
     ("hybrid-ddpg", NOISY, (0.1, 0.01), {"replay_size": 250}),
 ]

@@ -127,6 +127,6 @@ def test_a_hybrid_may_match_in_some_updates_only(name: str) -> None:
         *_, last = algorithms.train(name, "MassPoint", [0], WEIGHTS[name], 800, config)
         return last
 
-    always, seldom = trained({}), trained({"match_every": 25})
+    always, seldom = trained({}), trained({"match_every": 400})
     assert always.return_mean != seldom.return_mean
     assert 0 < seldom.diagnostics["gradient_loss"] < always.diagnostics["gradient_loss"]
