@@ -23,7 +23,7 @@ from algorithms.matching.diagnostics import (
 from algorithms.networks.layer import Array
 from algorithms.networks.optimizer import Learned
 from algorithms.networks.parameters import first_outputs
-from algorithms.networks.policy import Policy, deterministic, uniform
+from algorithms.networks.policy import Policy, deterministic
 from algorithms.networks.scaling import Coordinates, Scaling, Statistics
 from algorithms.networks.shape import HiddenSettings, Shape
 from algorithms.networks.value_scale import UnitChange, move_value_scale
@@ -73,8 +73,6 @@ class ActorCritic(Protocol):
         means: fields of an update's report, arrays [U], that are reported as means.
         quantities: what an update looks at to see whether the run diverges.
         reward_scale: c, the factor of the task's rewards.
-        uniform_steps: environment steps, in whole cycles, whose actions are uniform before it
-            explores.
         actor, critic: the networks; of several critics the first.
         actor_shape: the actor's sizes.
     """
@@ -82,7 +80,6 @@ class ActorCritic(Protocol):
     means: Sequence[str]
     quantities: Sequence[str]
     reward_scale: float
-    uniform_steps: int
     actor: Learned
     critic: Learned
     actor_shape: Shape
@@ -161,7 +158,6 @@ class Agent:
         memory = empty_memory(capacity, environment, coordinates, linearized=linearized)
         self.replay = Replay(memory, environment.state_size)
         self._means = UpdateMeans(actor_critic.means)
-        self._uniform_policies = 0
 
     @property
     def actor_shape(self) -> Shape:
@@ -175,12 +171,7 @@ class Agent:
 
     def exploring_policy(self) -> Policy:
         """A policy to explore with, drawn anew at each call."""
-        policy = self.policy()
-        if self.replay.count >= self._actor_critic.uniform_steps:
-            return self._actor_critic.explorer(policy)
-        draws = generator(self.seed, "uniform actions", self._uniform_policies)
-        self._uniform_policies += 1
-        return uniform(policy, self.actor_shape, self._config.rollout_steps, draws)
+        return self._actor_critic.explorer(self.policy())
 
     def remember(self, experience: Experience) -> None:
         """Store the transitions and take in their features and rewards."""
@@ -236,7 +227,6 @@ class Agent:
     def state(self) -> State:
         """All that its next bits depend on but the replay."""
         return {
-            "uniform policies": np.array(self._uniform_policies),
             "updates": np.array(self.updates),
             "jacobians": np.array(self.jacobians),
             **self._actor_critic.state(),
@@ -246,7 +236,6 @@ class Agent:
 
     def restore(self, state: State) -> None:
         """Take up what `state` gave; the replay is filled by who calls this."""
-        self._uniform_policies = int(state["uniform policies"])
         self.updates = int(state["updates"])
         self.jacobians = int(state["jacobians"])
         self._actor_critic.restore(state)

@@ -64,7 +64,6 @@ class DDPG:
     ) -> None:
         """Draw the initial networks."""
         self.reward_scale = 1.0
-        self.uniform_steps = 0
         self.actor_shape, self._critic_shape = shapes_of(environment, config)
         self.actor = learned(initial_theta(self.actor_shape, generator(seed, "actor")))
         self.critic = learned(initial_theta(self._critic_shape, generator(seed, "critic")))

@@ -55,7 +55,7 @@ from algorithms.matching.losses import L2, Matching, matching_of
 from algorithms.networks.layer import Array
 from algorithms.networks.optimizer import learned, learned_alone
 from algorithms.networks.parameters import initial_theta
-from algorithms.networks.policy import Policy
+from algorithms.networks.policy import Policy, uniform
 from algorithms.networks.scaling import Coordinates, Scaling
 from algorithms.networks.shape import shape_of
 from algorithms.networks.value_scale import UnitChange, rescale_moments, rewrite_fit
@@ -96,7 +96,6 @@ class SAC:
         self._networks = initial_networks(self._shapes, seed)
         self.actor_shape, self.actor = self._shapes.policy, self._networks.policy
         self.critic = self._networks.critics[0]
-        self.uniform_steps = config.uniform_steps
         self._seed = seed
         self._coordinates = coordinates
         self._matching = matching
@@ -110,15 +109,20 @@ class SAC:
         )
         self._noise_shape = config.rollout_steps, environment.action_size
         self._explorations = 0
+        self._uniform_steps = config.uniform_steps
+        self._steps = 0
 
     def explorer(self, policy: Policy) -> Policy:
-        """The policy, with new noise for a cycle."""
-        noise = generator(self._seed, "exploration", self._explorations)
+        """Uniform actions at first, then the policy with noise, drawn for a cycle."""
+        draws = generator(self._seed, "exploration", self._explorations)
         self._explorations += 1
-        return policy._replace(noise=noise.standard_normal(self._noise_shape, np.float32))
+        if self._steps < self._uniform_steps:
+            return uniform(policy, self.actor_shape, self._noise_shape, draws)
+        return policy._replace(noise=draws.standard_normal(self._noise_shape, np.float32))
 
     def update(self, cycle: Cycle) -> tuple[int, int, Report]:
         """Update all networks, with actions drawn anew."""
+        self._steps = cycle.replay.count
         actions = self._noise_shape[1]
         noise = cycle.draws.standard_normal((*cycle.indices.shape, actions), np.float32)
         report = empty_report(len(cycle.indices))
@@ -148,15 +152,17 @@ class SAC:
         return {}
 
     def state(self) -> State:
-        """The networks and how much noise was drawn."""
+        """The networks, how much noise was drawn, and environment steps."""
         return {
             "explorations": np.array(self._explorations),
+            "steps": np.array(self._steps),
             **within("networks", self._networks.state()),
         }
 
     def restore(self, state: State) -> None:
         """Take up what `state` gave."""
         self._explorations = int(state["explorations"])
+        self._steps = int(state["steps"])
         self._networks.restore(part(state, "networks"))
 
 

@@ -35,7 +35,7 @@ from algorithms.matching.losses import ROBUST, Matching, matching_of
 from algorithms.networks.layer import Array
 from algorithms.networks.optimizer import learned
 from algorithms.networks.parameters import initial_theta
-from algorithms.networks.policy import Policy
+from algorithms.networks.policy import Policy, uniform
 from algorithms.networks.scaling import Coordinates, Scaling
 from algorithms.networks.shape import shape_of
 from algorithms.networks.value_scale import UnitChange, rescale_moments, rewrite_fit
@@ -62,7 +62,6 @@ class TD3:
         """Draw the initial networks."""
         features, m = environment.feature_size, environment.action_size
         self.reward_scale = 1.0
-        self.uniform_steps = config.uniform_steps
         self.actor_shape = shape_of(features, m, config)
         self._critic_shape = shape_of(features + m, 1, config)
         self.actor = learned(initial_theta(self.actor_shape, generator(seed, "actor")))
@@ -87,16 +86,21 @@ class TD3:
         self._noise = np.float32(config.noise)
         self._noise_shape = config.rollout_steps, m
         self._explorations = 0
+        self._uniform_steps = config.uniform_steps
+        self._steps = 0
 
     def explorer(self, policy: Policy) -> Policy:
-        """The policy, with new noise for a cycle."""
+        """Uniform actions at first, then the policy with noise, drawn for a cycle."""
         draws = generator(self._seed, "exploration", self._explorations)
         self._explorations += 1
+        if self._steps < self._uniform_steps:
+            return uniform(policy, self.actor_shape, self._noise_shape, draws)
         noise = self._noise * draws.standard_normal(self._noise_shape, np.float32)
         return policy._replace(noise=noise)
 
     def update(self, cycle: Cycle) -> tuple[int, int, Report]:
         """Update both critics, and the actor now and then."""
+        self._steps = cycle.replay.count
         actions = self._noise_shape[1]
         noise = cycle.draws.standard_normal((*cycle.indices.shape, actions), np.float32)
         report = empty_report(len(cycle.indices))
@@ -125,10 +129,11 @@ class TD3:
         return {}
 
     def state(self) -> State:
-        """The networks and how much noise was drawn."""
+        """The networks, how much noise was drawn, and environment steps."""
         first, second = self._networks.critics
         return {
             "explorations": np.array(self._explorations),
+            "steps": np.array(self._steps),
             **within("actor", self.actor.state()),
             **within("critic 1", first.state()),
             **within("critic 2", second.state()),
@@ -138,6 +143,7 @@ class TD3:
         """Take up what `state` gave."""
         first, second = self._networks.critics
         self._explorations = int(state["explorations"])
+        self._steps = int(state["steps"])
         self.actor.restore(part(state, "actor"))
         first.restore(part(state, "critic 1"))
         second.restore(part(state, "critic 2"))

@@ -36,15 +36,16 @@ def deterministic(
     return Policy(theta, mean, inverse, np.empty((0, action_size), np.float32))
 
 
-def uniform(policy: Policy, shape: Shape, steps: int, draws: np.random.Generator) -> Policy:
-    """A policy whose actions of the next steps are uniform: noise about a network of zeros.
+def uniform(
+    policy: Policy, shape: Shape, size: tuple[int, int], draws: np.random.Generator
+) -> Policy:
+    """A policy whose next `size` (T, m) actions are uniform: noise about a network of zeros.
 
     A deterministic actor's noise is added to its action 0. A stochastic one has spread 1 there, so
     that its action is the tanh of its noise.
     """
-    m = policy.noise.shape[1]
-    actions = draws.uniform(-NEARLY_ONE, NEARLY_ONE, (steps, m))
-    noise = np.arctanh(actions) if shape.outputs > m else actions
+    actions = draws.uniform(-NEARLY_ONE, NEARLY_ONE, size)
+    noise = np.arctanh(actions) if shape.outputs > size[1] else actions
     return policy._replace(theta=np.zeros_like(policy.theta), noise=noise.astype(np.float32))
 
 

@@ -17,7 +17,7 @@ SEEDS, TIMESTEPS, EVERY = range(4), 2_400, 800
 CYCLE = {"rollout_steps": 100, "cycle_updates": 100, "hidden_units": 16, "tau": 0.05}
 DDPG = {"actor_rate": 1e-3, "critic_rate": 3e-3, "noise": 0.3, **CYCLE}
 TD3 = {"actor_rate": 1e-3, "critic_rate": 3e-3, "noise": 0.3, **CYCLE}
-SAC = {"rate": 3e-3, "reward_scale": 30.0, **CYCLE}
+SAC = {"rate": 3e-3, "reward_scale": 30.0, "uniform_steps": 0, **CYCLE}
 WINDOWS = {"environments": 4, "window": 10, "hidden_units": 16}
 LEARNERS: dict[str, tuple[tuple[float, float], dict[str, Any]]] = {
     "ddpg": ((0.0, 0.0), DDPG),

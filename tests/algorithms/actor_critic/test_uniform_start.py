@@ -23,7 +23,7 @@ def test_what_is_learned_acts_only_after_them(name: str) -> None:
     small, large = (acted(name, {"uniform_steps": 250, "hidden_units": n}) for n in (8, 16))
     at_once = acted(name, {"uniform_steps": 0, "hidden_units": 8})
     assert (small[:300] == large[:300]).all(), "in whole cycles of 100 steps"
-    assert (small[300:] != large[300:]).mean() > 0.9
+    assert (small[300:] != large[300:]).mean() > 0.8
     assert (small[:300] != at_once[:300]).mean() > 0.9
     assert np.quantile(small[:300], [0.25, 0.5, 0.75]) == pytest.approx([-0.5, 0, 0.5], abs=0.12)
     assert len(np.unique(small[:300])) == 300, "an episode's end draws anew"

@@ -17,7 +17,7 @@ def test_its_actions_are_the_uniform_draws_whatever_was_learned_and_seen(outputs
     theta = 10 * initial_theta(shape, generator(3, "actor"))
     mean, inverse = np.full(INPUTS, 0.5, np.float32), np.full(INPUTS, 2.0, np.float32)
     learned = deterministic(theta, mean, inverse, ACTIONS)
-    policy = uniform(learned, shape, STEPS, generator(3, "uniform actions"))
+    policy = uniform(learned, shape, (STEPS, ACTIONS), generator(3, "uniform actions"))
     policies, seen = Policies([policy], shape), generator(3, "features")
     actions = [policies.act(seen.standard_normal((1, INPUTS)))[0] for _ in range(STEPS)]
     draws = generator(3, "uniform actions").uniform(-1, 1, (STEPS, ACTIONS))

@@ -91,7 +91,7 @@ def test_a_folder_of_all_users_stays_as_it_is(tmp_path: Path) -> None:
     folder = tmp_path / "shared"
     folder.mkdir()
     folder.chmod(0o1777)
-    assert "this version's" in run("upgrade", "--database-url", f"sqlite:///{folder / 'x.sqlite'}")
+    assert "of this version" in run("upgrade", "--database-url", f"sqlite:///{folder / 'x.sqlite'}")
     assert folder.stat().st_mode & 0o7777 == 0o1777
     assert [each.name for each in folder.iterdir()] == ["x.sqlite"]
 
@@ -100,5 +100,5 @@ def test_what_is_not_there_is_not_made(tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.setenv("D3PG_DATA_DIR", str(tmp_path))
     assert "there is no database" in run("check", code=1)
     assert list(tmp_path.iterdir()) == []
-    assert "this version's" in run("upgrade")
+    assert "of this version" in run("upgrade")
     assert "broken" not in run("check")

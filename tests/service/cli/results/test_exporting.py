@@ -150,7 +150,7 @@ def test_a_figure_of_the_paper_is_saved(d3pg: Command, trained: str, tmp_path: P
     rows = list(csv.DictReader(io.StringIO((tmp_path / "four.csv").read_text(encoding="utf-8"))))
     assert {row["metric"] for row in rows} == {"return_mean", "return_history"}
     assert (
-        "is given"
+        "fixed scale"
         in d3pg("plot", trained, "-o", str(file), "--figure", "4", "--raw", code=2).stderr
     )
 
