@@ -21,7 +21,7 @@ GROUP = "d3pg.algorithms"
 CORE_SECONDS: Mapping[str, Mapping[str, float]] = tomllib.loads(
     Path(__file__).with_name("costs.toml").read_text(encoding="utf-8")
 )
-"""Of 1,000 timesteps, by learner and task."""
+"""Core-seconds of 1,000 timesteps, by learner and task."""
 
 
 @dataclass(frozen=True)
@@ -29,16 +29,16 @@ class Algorithm:
     """The description of an algorithm, available without loading its code.
 
     Attributes:
-        name: as users write it.
-        summary: one line.
+        name: the name that users write.
+        summary: a summary in one line.
         builder: "module:function" of `(environment, seeds, weights, timesteps, config) -> Learner`.
         config: "module:class" of its settings, a frozen pydantic dataclass.
         uses_weights: whether it uses the weights w1 and w2.
         needs_reward_gradient: whether it refuses tasks whose reward is not differentiable.
         memory: "module:function" of `(environment, weights, timesteps, config) -> bytes` that a run
             fills; empty if that is negligible.
-        can_go_on: whether a run of more timesteps has, up to the end of a shorter one, the bits of
-            that, so that it can be taken up there; not so where a step size is annealed.
+        can_go_on: whether a longer run equals a shorter one, bit for bit, up to the shorter one's
+            end, so that it can continue from there; False where a step size is annealed.
         extends: the algorithm that it equals, bit for bit, with weights (0, 0); empty for none.
         core_seconds: core-seconds of 1,000 timesteps under the preset, by task; used for estimates
             until runs have finished.
@@ -56,7 +56,7 @@ class Algorithm:
     core_seconds: Mapping[str, float] = field(default_factory=dict)
 
     def description(self) -> str:
-        """The docstring of the module that builds its learner, which is not run for it."""
+        """The docstring of the module that builds its learner; the module is not run."""
         return _docstring_of(self.builder.partition(":")[0])
 
     def config_class(self) -> type[Any]:
@@ -77,7 +77,7 @@ class Algorithm:
 
 @cache
 def _docstring_of(module: str) -> str:
-    """The docstring of a module, which is found but not run; empty where it has no source."""
+    """The docstring of a module, which is not run; empty if it has no source."""
     found = find_spec(module)
     if found is None or found.origin is None:
         return ""
@@ -91,7 +91,7 @@ def hybrid(
     summary: str,
     builder: str = "",
 ) -> Algorithm:
-    """A baseline that also matches gradients; `builder` where it is not the baseline's."""
+    """A baseline that also matches gradients; `builder` if it is not the baseline's."""
     return replace(
         baseline,
         name=name,
@@ -207,10 +207,10 @@ def names() -> list[str]:
 
 
 def find(name: str | Algorithm) -> Algorithm:
-    """The algorithm of that name; an algorithm that is no name is itself.
+    """The algorithm of that name; an `Algorithm` is returned as it is.
 
     Raises:
-        ValueError: for an unknown name; it names the nearest known one.
+        ValueError: for an unknown name; the message names the nearest known one.
     """
     if isinstance(name, Algorithm):
         return name

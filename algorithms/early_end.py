@@ -1,7 +1,7 @@
-"""Early ends: how one run of a cohort ends before its timesteps, and the others train on.
+"""Early ends: one run of a cohort ends before its timesteps, and the others continue.
 
-An error inside one run is an exception in a call that concerns this run alone. A number that is not
-finite ends the run as diverged, any other error as failed.
+An error in one run is an exception in a call for this run alone. A number that is not finite ends
+the run as diverged, any other error as failed.
 """
 
 from collections.abc import Sequence
@@ -28,8 +28,8 @@ class Divergence:
     Attributes:
         seed: the run's seed.
         timestep: environment steps taken so far.
-        update: number of the update in which it happened, from 1 on; between two updates, that of
-            the later one.
+        update: number of the update in which it happened, from 1 on; if it happened between two
+            updates, that of the later one.
         quantity: what is not finite.
     """
 
@@ -47,7 +47,7 @@ class Divergence:
 
 @dataclass(frozen=True)
 class Failure:
-    """A run that ended because code raised in a call that concerned this run alone.
+    """A run that ended because code raised in a call for this run alone.
 
     Attributes:
         seed: the run's seed.
@@ -87,7 +87,7 @@ class FailedRunsError(RuntimeError):
 
     Attributes:
         failures: one for each failed run.
-        divergences: one for each run that diverged beside them.
+        divergences: one for each run that diverged.
     """
 
     def __init__(self, failures: Sequence[Failure], divergences: Sequence[Divergence]) -> None:

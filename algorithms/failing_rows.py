@@ -1,7 +1,7 @@
-"""Failing rows: what to do when one row of a batch raises.
+"""Failing rows: handles batches in which a row raises.
 
 A simulator refuses a whole batch for one such row, but a run must not depend on its neighbours: the
-rows at fault are found by bisection, and other rows are computed in their place.
+failing rows are found by bisection, and other rows are computed in their place.
 """
 
 import traceback
@@ -40,17 +40,17 @@ def call_rows(
     """`call(*arrays)`, where every array has a row for each row of the result.
 
     Args:
-        call: computes each row by itself, and raises if it can't compute one of them.
-        arrays: with as many rows each.
+        call: computes each row by itself, and raises if it cannot compute one of them.
+        arrays: arrays with equal numbers of rows.
         substitutes: the row [rows] that replaces each row that raises; by default one that does
             not raise.
 
     Returns:
-        The result, whose rows are those of their substitutes where they raise, None if all raise;
-        and the rows that raised.
+        The result, with the substitutes' rows in place of rows that raise, None if all raise; and
+        the failures.
 
     Raises:
-        Exception: what `call` raises for substitutes, or for a batch of which no row raises alone.
+        Exception: if `call` raises for substitutes, or for a batch but for none of its rows alone.
     """
     try:
         return call(*arrays), {}
@@ -92,7 +92,7 @@ def failures_of(failures: Failures, rows: Sequence[int]) -> Failures:
 def call_each(
     call: Callable[[Run], None], runs: Iterable[Run], end: Callable[[Run, Exception], EarlyEnd]
 ) -> list[EarlyEnd]:
-    """Call for every run; return how those end for which it raises."""
+    """Call for every run; return the early ends of those for which it raises."""
     ends = []
     for run in runs:
         try:
@@ -103,14 +103,14 @@ def call_each(
 
 
 def early_end(seed: int, timestep: int, update: int, error: Exception) -> EarlyEnd:
-    """How a run ends by an error; arguments as in `Divergence`."""
+    """The early end of a run by an error; arguments as in `Divergence`."""
     if isinstance(error, NotFiniteQuantityError | NotFiniteError):
         return Divergence(seed, timestep, update, error.quantity)
     return Failure(seed, timestep, "".join(traceback.format_exception(error)))
 
 
 def found(result: Result | Exception) -> Result:
-    """What a row gave, or raise what it raised."""
+    """The result of a row. Raises the row's error."""
     if isinstance(result, Exception):
         raise result
     return result

@@ -15,17 +15,17 @@ from algorithms.stopwatch import Cost
 
 
 class History:
-    """What one run was measured to earn.
+    """The measurements of one run.
 
     Attributes:
-        seed: the run's.
+        seed: the run's seed.
         count: measurements so far.
         returns: the latest `HISTORY` returns recorded, oldest first.
-        cost: what it has cost.
+        cost: the run's cost so far.
     """
 
     def __init__(self, seed: int, timesteps: int) -> None:
-        """Begin with none, in a run of so many timesteps."""
+        """Begin without measurements, in a run of `timesteps`."""
         self.seed = seed
         self._timesteps = timesteps
         self.count = 0
@@ -44,7 +44,7 @@ class History:
         return range(self.count + 1, last + 1)
 
     def state(self) -> State:
-        """All of it but the seed."""
+        """Its state, without the seed."""
         return {
             "count": np.array(self.count),
             "returns": np.array(self.returns, np.float64),
@@ -58,13 +58,13 @@ class History:
         self.cost.restore(state)
 
     def record(self, return_mean: float) -> None:
-        """Take in what the run earns as it stands."""
+        """Record the current return of the run."""
         self.returns.append(return_mean)
 
     def measured(
         self, *, updates: int, jacobians: int, diagnostics: Mapping[str, float]
     ) -> Measurement:
-        """The next measurement, of what was last recorded."""
+        """The next measurement, with the last recorded return."""
         self.count += 1
         return Measurement(
             seed=self.seed,

@@ -4,7 +4,7 @@ A run can be saved and restored between two calls of `advance`, and continues wi
 
     saved = {seed: Saved(learner.state(seed), learner.journal(seed, 0)) for seed in learner.seeds}
     other = build(...)                                      # the same arguments, these seeds
-    other.restore(saved)                                    # other.advance() does as learner's
+    other.restore(saved)                                    # other.advance() equals learner's
 
 The state is small and saved whole. The journal has a row for each timestep and only grows: a second
 save needs only the rows since the first. Neither contains what can be recomputed from the journal
@@ -52,7 +52,7 @@ class Learner(Protocol):
         """Stop training these seeds, such as cancelled ones; unknown ones are ignored."""
 
     def state(self, seed: int) -> State:
-        """Everything except the journal that the run's next bits depend on, as arrays by name.
+        """Everything on which the run's next bits depend except the journal, as arrays by name.
 
         The next `advance` may overwrite the arrays.
         """

@@ -1,4 +1,4 @@
-"""Measurement: what a learner reports of a run."""
+"""Measurement: a learner's report of a run."""
 
 import math
 from collections.abc import Mapping
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 MEASURE_EVERY = 800
 """Timesteps between measurements (section 5.2)."""
 HISTORY = 100
-"""Measurements that `return_history` is the mean of."""
+"""The number of measurements in the mean `return_history`."""
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,7 @@ class Measurement:
         seed: the run's seed.
         timestep: environment steps taken so far, evaluation not counted.
         return_mean: undiscounted return of one episode of the deterministic actor.
-        return_history: mean of the latest 100 `return_mean`, of all while there are fewer.
+        return_history: mean of the latest 100 `return_mean`, or of all if there are fewer.
         updates: updates done so far.
         jacobians: Jacobians of transitions computed so far, including those for diagnostics.
         seconds: processor time of training so far: acting and learning, without evaluation,

@@ -1,9 +1,10 @@
-"""Memory: what a run fills, computed from its settings before anything is built.
+"""Memory: the bytes that a run fills, computed from its settings before anything is built.
 
     replay    min(replay_size, timesteps)  x  (8 n + 4 (2 F + m + 2)  [+ 4 (F + 1)(C + m)])
 
-The last term, the derivatives, is there where gradients are matched. Each equals its learner's
-`bytes_per_run`. Nothing here is compiled, so that a process that trains nothing can ask.
+The last term, the derivatives, exists only where gradients are matched. Each result equals its
+learner's `bytes_per_run`. Nothing here is compiled, so that a process that does not train can call
+it.
 
 Glossary: `F` features, `C` seen coordinates, `m` actions, `n` state size, `T` horizon.
 """
@@ -23,7 +24,7 @@ DOUBLE, SINGLE = 8, 4
 
 
 class Sizes(Protocol):
-    """What is asked of a task: the task itself has it, and so has whoever knows its constants."""
+    """The sizes of a task: those of the task itself, or of an object with its constants."""
 
     @property
     def name(self) -> str:
@@ -57,7 +58,7 @@ def bytes_per_run(
     timesteps: int,
     config: Mapping[str, Any],
 ) -> int:
-    """Bytes of memory that a run fills; 0 if its algorithm does not say.
+    """Bytes of memory that a run fills; 0 if its algorithm does not specify them.
 
     Raises:
         ValueError: for an unknown name or an invalid value.
@@ -70,7 +71,7 @@ def bytes_per_run(
 
 
 def of_replay(environment: Sizes, weights: tuple[float, float], timesteps: int, config: Any) -> int:
-    """A replay that has room for all that it ever has to hold."""
+    """The size of a replay with room for all transitions that it will hold."""
     features, m = environment.feature_size, environment.action_size
     columns = np.unique(environment.feature_sources).size + m
     transition = DOUBLE * environment.state_size + SINGLE * (2 * features + m + 2)
@@ -83,13 +84,13 @@ def of_replay(environment: Sizes, weights: tuple[float, float], timesteps: int, 
 def of_episodes(
     environment: Sizes, weights: tuple[float, float], timesteps: int, config: GDConfig
 ) -> int:
-    """GD: one update's episodes, whatever the weights and timesteps."""
+    """GD: one update's episodes, independent of weights and timesteps."""
     del weights, timesteps
     return episode_bytes(environment, config)
 
 
 def episode_bytes(environment: Sizes, config: GDConfig) -> int:
-    """Episodes as they come and stacked, and the network's pass over them."""
+    """The episodes as collected and as stacked, and the network's pass over them."""
     n, m, inputs = environment.state_size, environment.action_size, environment.feature_size
     units = config.hidden_units * config.hidden_layers
     one_step = 2 * DOUBLE * (n * (n + 2 * m + 2) + 2 * inputs) + 20 * units
@@ -99,7 +100,7 @@ def episode_bytes(environment: Sizes, config: GDConfig) -> int:
 def of_linearized_window(
     environment: Sizes, weights: tuple[float, float], timesteps: int, config: SHACConfig
 ) -> int:
-    """SHAC: one window, whatever the weights and timesteps."""
+    """SHAC: one window, independent of weights and timesteps."""
     del weights, timesteps
     return window_bytes(environment, config, linearized=True)
 
@@ -107,13 +108,13 @@ def of_linearized_window(
 def of_window(
     environment: Sizes, weights: tuple[float, float], timesteps: int, config: PPOConfig
 ) -> int:
-    """PPO: the same without derivatives."""
+    """PPO: one window without derivatives, independent of weights and timesteps."""
     del weights, timesteps
     return window_bytes(environment, config, linearized=False)
 
 
 def window_bytes(environment: Sizes, config: Any, *, linearized: bool) -> int:
-    """A window as it comes, stacked and of one run alone, and the networks' passes over it."""
+    """A window as collected, as stacked and of one run alone, and the networks' passes over it."""
     n, m, inputs = environment.state_size, environment.action_size, environment.feature_size
     units = config.hidden_units * config.hidden_layers
     one_step = 3 * (DOUBLE * (2 * inputs + 1) + SINGLE * m + 2) + 20 * units
@@ -125,7 +126,7 @@ def window_bytes(environment: Sizes, config: Any, *, linearized: bool) -> int:
 def of_plan(
     environment: Sizes, weights: tuple[float, float], timesteps: int, config: MPCConfig
 ) -> int:
-    """MPC: a trajectory over the whole episode, its expansion and the gains, whatever else."""
+    """MPC: a trajectory over the whole episode, its expansion and the gains, in all cases."""
     del weights, timesteps, config
     n, m = environment.state_size, environment.action_size
     trajectory = n + m + 1

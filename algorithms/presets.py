@@ -1,8 +1,8 @@
 """Presets: the settings the evaluation uses, per algorithm and task.
 
-A submission that names no setting gets these; the settings that it names replace them. A task that
-nothing was chosen for, as one of your own, has those of "other": a hybrid matches gradients there
-too. presets.toml has what a search chose, and docs/presets.md says how.
+A submission that names no setting gets these; the settings that it names replace them. A task
+without chosen settings, such as one of your own, has those of "other": a hybrid matches gradients
+there too. presets.toml has the settings that a search chose, and docs/presets.md explains how.
 """
 
 import tomllib
@@ -16,13 +16,13 @@ from physics.parameter import name_of
 
 NO_WEIGHTS = (0.0, 0.0)
 SMALLEST_WEIGHT, LARGEST_WEIGHT = 1e-30, 1e30
-"""Of weights other than 0: beyond, they are 0 or infinite in float32."""
+"""Limits of weights other than 0: beyond, they are 0 or infinite in float32."""
 USUAL_TIMESTEPS = 40_000
 
 CHOSEN: Mapping[str, Mapping[str, Mapping[str, Any]]] = tomllib.loads(
     Path(__file__).with_name("presets.toml").read_text(encoding="utf-8")
 )
-"""By learner, or form of one: "settings" and "weights" by task."""
+"""By learner or form of a learner: "settings" and "weights" by task."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Preset:
     """The settings of one algorithm on one task.
 
     Attributes:
-        weights: (w1, w2), of the action and state gradient terms.
+        weights: (w1, w2), the weights of the action and state gradient terms.
         timesteps: environment steps of a run.
         config: settings other than the algorithm's defaults.
     """
@@ -53,14 +53,14 @@ TIMESTEPS = {
     "Walker2d": 200_000,
     "BallWall": 60_000,
 }
-"""Of the learners with a value function: enough for ddpg to converge."""
+"""Timesteps of the learners with a value function: enough for ddpg to converge."""
 
 ASCENT_TIMESTEPS = {"MassPoint": 12_000}
-"""Of gd, which stops at a plateau."""
+"""Timesteps of gd, which stops at a plateau."""
 
 
 def planned(horizon: int, timesteps: int, iterations: int = 1) -> Preset:
-    """A preset of mpc, of more timesteps than an episode takes: it is always planned to its end."""
+    """A preset of mpc, with more timesteps than an episode takes: all are planned to their end."""
     return Preset(timesteps=timesteps, config={"horizon": horizon, "iterations": iterations})
 
 
@@ -76,7 +76,7 @@ PLANS = {
     "Walker2d": planned(horizon=60, timesteps=1_600_000),
     "BallWall": planned(horizon=60, timesteps=112_000),
 }
-"""Of mpc, tried by hand."""
+"""Presets of mpc, chosen by hand."""
 
 
 @dataclass(frozen=True)
@@ -84,8 +84,8 @@ class Form:
     """A form of a learner, and of its hybrids, with settings of its own in presets.toml.
 
     Attributes:
-        name: as tables show it.
-        stated: the settings that make a run one of this form.
+        name: the name in tables.
+        stated: the settings that define a run of this form.
         row: its name in presets.toml.
     """
 
@@ -102,10 +102,10 @@ FORMS: Mapping[str, tuple[Form, ...]] = {
 
 
 def preset(algorithm: str, environment: str) -> Preset:
-    """The preset of an algorithm on a task, also on one that nothing was chosen for.
+    """The preset of an algorithm on a task, also on a task without chosen settings.
 
-    Values of the task's parameters, as in `Pendulum(gravity=9.81)`, are of no account. A hybrid has
-    its baseline's timesteps, and its settings where it has none of its own.
+    Values of the task's parameters, as in `Pendulum(gravity=9.81)`, are ignored. A hybrid has its
+    baseline's timesteps, and its baseline's settings unless it has its own.
     """
     task = name_of(environment)
     if algorithm == "mpc":

@@ -1,4 +1,4 @@
-"""The settings of every learner: defaults, and ranges outside which a value is refused by name."""
+"""The settings of every learner: their defaults and their allowed ranges."""
 
 from typing import Annotated, Literal
 
@@ -16,23 +16,21 @@ HiddenUnits = Annotated[int, Field(ge=4, le=512, description="units of each hidd
 HiddenLayers = Annotated[int, Field(ge=1, le=4, description="hidden layers of each network")]
 ActivationName = Annotated[
     Literal["tanh", "elu", "silu", "relu"],
-    Field(description="activation of hidden units; a hybrid wants a smooth one"),
+    Field(description="activation of hidden units; a hybrid needs a smooth one"),
 ]
 Placebo = Annotated[
     Literal["none", "shuffled", "untargeted"],
-    Field(
-        description="of a hybrid: with the derivatives of other transitions, or with 0 for a target"
-    ),
+    Field(description="of a hybrid: use the derivatives of other transitions, or 0 as the target"),
 ]
 MatchEvery = Annotated[
-    int, Field(ge=1, le=1000, description="of a hybrid: updates to each one that matches gradients")
+    int, Field(ge=1, le=1000, description="of a hybrid: one of this many updates matches gradients")
 ]
-BatchSize = Annotated[int, Field(ge=1, le=1024, description="transitions an update")]
-Gamma = Annotated[float, Field(ge=0, le=1, description="discount a step")]
-RolloutSteps = Annotated[int, Field(ge=1, le=800, description="environment steps a cycle")]
-CycleUpdates = Annotated[int, Field(ge=1, le=800, description="updates a cycle")]
+BatchSize = Annotated[int, Field(ge=1, le=1024, description="transitions per update")]
+Gamma = Annotated[float, Field(ge=0, le=1, description="discount per step")]
+RolloutSteps = Annotated[int, Field(ge=1, le=800, description="environment steps per cycle")]
+CycleUpdates = Annotated[int, Field(ge=1, le=800, description="updates per cycle")]
 UniformSteps = Annotated[
-    int, Field(ge=0, le=10**7, description="environment steps at first whose actions are uniform")
+    int, Field(ge=0, le=10**7, description="first environment steps, whose actions are uniform")
 ]
 ReplaySize = Annotated[int, Field(ge=100, le=10**7, description="transitions remembered")]
 Environments = Annotated[
@@ -51,7 +49,7 @@ Noise = Annotated[
 
 @dataclass(frozen=True, config=STRICT)
 class DDPGConfig:
-    """Of DDPG and its hybrids. Defaults are those of OpenAI Baselines."""
+    """Settings of DDPG and its hybrids. Defaults are those of OpenAI Baselines."""
 
     hidden_units: HiddenUnits = 64
     hidden_layers: HiddenLayers = 2
@@ -66,23 +64,23 @@ class DDPGConfig:
         default=1e-3, gt=0, le=1, description="Adam's step size for the critic"
     )
     critic_decay: float = Field(default=1e-2, ge=0, le=1, description="weight decay of the critic")
-    tau: float = Field(default=0.01, gt=0, le=1, description="share that targets follow an update")
+    tau: float = Field(default=0.01, gt=0, le=1, description="share that targets move per update")
     gamma: Gamma = 0.99
     rollout_steps: RolloutSteps = 100
     cycle_updates: CycleUpdates = 50
     replay_size: ReplaySize = 10**6
     noise: float = Field(
-        default=0.2, ge=0, le=1, description="action distance that parameter noise seeks"
+        default=0.2, ge=0, le=1, description="action distance that parameter noise aims at"
     )
     time_limit_is_terminal: bool = Field(
         default=False,
-        description="whether running out of time stops the bootstrap, as in Baselines",
+        description="whether a time limit stops the bootstrap, as in Baselines",
     )
 
 
 @dataclass(frozen=True, config=STRICT)
 class TD3Config:
-    """Of TD3 and its hybrid. Defaults are the authors', or DDPG's for network and batch."""
+    """Settings of TD3 and its hybrid: the authors' defaults, or DDPG's for network and batch."""
 
     hidden_units: HiddenUnits = 64
     hidden_layers: HiddenLayers = 2
@@ -97,7 +95,7 @@ class TD3Config:
         default=1e-3, gt=0, le=1, description="Adam's step size for the critics"
     )
     tau: float = Field(
-        default=0.005, gt=0, le=1, description="share that targets follow when the actor steps"
+        default=0.005, gt=0, le=1, description="share that targets move when the actor steps"
     )
     gamma: Gamma = 0.99
     uniform_steps: UniformSteps = 1_000
@@ -105,13 +103,13 @@ class TD3Config:
         default=0.1, ge=0, le=1, description="standard deviation of exploration, of each action"
     )
     target_noise: float = Field(
-        default=0.2, ge=0, le=1, description="standard deviation of the target's actions"
+        default=0.2, ge=0, le=1, description="standard deviation of noise on the target's actions"
     )
     noise_bound: float = Field(
-        default=0.5, ge=0, le=2, description="largest noise of the target's actions"
+        default=0.5, ge=0, le=2, description="largest noise on the target's actions"
     )
     delay: int = Field(
-        default=2, ge=1, le=100, description="updates of the critics for one of the actor"
+        default=2, ge=1, le=100, description="updates of the critics per update of the actor"
     )
     rollout_steps: RolloutSteps = 100
     cycle_updates: CycleUpdates = 100
@@ -120,7 +118,7 @@ class TD3Config:
 
 @dataclass(frozen=True, config=STRICT)
 class SACConfig:
-    """Of SAC and its hybrid. Defaults are the authors', or DDPG's for network and batch."""
+    """Settings of SAC and its hybrid: the authors' defaults, or DDPG's for network and batch."""
 
     hidden_units: HiddenUnits = 64
     hidden_layers: HiddenLayers = 2
@@ -130,7 +128,7 @@ class SACConfig:
     batch_size: BatchSize = 64
     rate: float = Field(default=3e-4, gt=0, le=1, description="Adam's step size, of every network")
     tau: float = Field(
-        default=0.005, gt=0, le=1, description="share that V's target follows an update"
+        default=0.005, gt=0, le=1, description="share that V's target moves per update"
     )
     gamma: Gamma = 0.99
     reward_scale: float = Field(
@@ -150,27 +148,27 @@ class SACConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class GDConfig:
-    """Of gradient ascent through the simulator."""
+    """Settings of gradient ascent through the simulator."""
 
     hidden_units: HiddenUnits = 64
     hidden_layers: HiddenLayers = 2
     activation: ActivationName = "tanh"
     rate: float = Field(default=1e-3, gt=0, le=1, description="Adam's step size")
     episodes: int = Field(
-        default=1, ge=1, le=16, description="episodes an update, all from new starts"
+        default=1, ge=1, le=16, description="episodes per update, all from new starts"
     )
     clip: float = Field(default=1.0, gt=0, le=1e9, description="largest norm of a gradient")
     patience: int = Field(
         default=25,
         ge=1,
         le=10_000,
-        description="measurements without a better mean of ten that end a run",
+        description="measurements without a new best mean of ten before a run ends",
     )
 
 
 @dataclass(frozen=True, config=STRICT)
 class SHACConfig:
-    """Of short-horizon actor-critic. Defaults are the authors' but for the networks' units."""
+    """Settings of short-horizon actor-critic: the authors' defaults except for hidden units."""
 
     hidden_units: HiddenUnits = 64
     hidden_layers: HiddenLayers = 2
@@ -189,16 +187,16 @@ class SHACConfig:
         default=0.2, ge=0, le=1, description="share of itself that the critic's target keeps"
     )
     critic_epochs: int = Field(
-        default=16, ge=1, le=100, description="times that the critic goes through a window"
+        default=16, ge=1, le=100, description="passes of the critic through a window"
     )
-    critic_batches: int = Field(default=4, ge=1, le=64, description="batches it has of a window")
+    critic_batches: int = Field(default=4, ge=1, le=64, description="critic's batches per window")
     noise: Noise = 0.37
     clip: float = Field(default=1.0, gt=0, le=1e9, description="largest norm of a gradient")
 
 
 @dataclass(frozen=True, config=STRICT)
 class PPOConfig:
-    """Of proximal policy optimisation. Defaults are those of its continuous control."""
+    """Settings of proximal policy optimisation. Defaults are those for continuous control."""
 
     hidden_units: HiddenUnits = 64
     hidden_layers: HiddenLayers = 2
@@ -211,10 +209,10 @@ class PPOConfig:
     gamma: Gamma = 0.99
     trace: Trace = 0.95
     ratio_bound: float = Field(
-        default=0.2, gt=0, le=10, description="change of an action's probability that pays at most"
+        default=0.2, gt=0, le=10, description="largest rewarded change of an action's probability"
     )
-    epochs: int = Field(default=10, ge=1, le=100, description="times through a window")
-    batches: int = Field(default=32, ge=1, le=256, description="batches of a window")
+    epochs: int = Field(default=10, ge=1, le=100, description="passes through a window")
+    batches: int = Field(default=32, ge=1, le=256, description="batches per window")
     noise: Noise = 1.0
     clip: float = Field(default=0.5, gt=0, le=1e9, description="largest norm of a gradient")
 
@@ -225,7 +223,7 @@ class MPCConfig:
 
     horizon: int = Field(default=50, ge=1, le=1000, description="steps that a plan looks ahead")
     iterations: int = Field(
-        default=5, ge=1, le=500, description="iLQR iterations an action, at most"
+        default=5, ge=1, le=500, description="largest number of iLQR iterations per action"
     )
     hidden_units: int = Field(
         default=64,

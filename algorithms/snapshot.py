@@ -1,9 +1,9 @@
-"""Snapshot: what a run has learned, to act with and to look at.
+"""Snapshot: the policy and the critic of a run.
 
     a = tanh(pi(x)),   Q(s, a) = value_mean + value_std q(x, a),   x = clip((f(s) - mean) inverse)
 
-A snapshot is written beside a run's checkpoints and kept when the run has ended: rollouts are
-played with its policy, and its critic is drawn as a surface over states and actions.
+A snapshot is written beside a run's checkpoints and kept when the run has ended: its policy plays
+rollouts, and its critic is drawn as a surface over states and actions.
 """
 
 from typing import Any, NamedTuple
@@ -25,25 +25,25 @@ FloatArray = NDArray[np.float64]
 
 
 class Inside(NamedTuple):
-    """What the networks of the run are like inside."""
+    """The hidden layers of the run's networks."""
 
     hidden: tuple[int, ...]
     """Units of each hidden layer."""
     activation: str
 
     def shape(self, inputs: int, outputs: int) -> Shape:
-        """Of a network with so many inputs and outputs."""
+        """The shape of a network with these numbers of inputs and outputs."""
         return Shape(inputs, self.hidden, outputs, NAMED[self.activation])
 
 
 def inside(shape: Shape) -> Inside:
-    """What a network of this shape is like inside."""
+    """The hidden layers of a network of this shape."""
     [activation] = [name for name, each in NAMED.items() if type(each) is type(shape.activation)]
     return Inside(shape.hidden, activation)
 
 
 class Critic(NamedTuple):
-    """What a Q of the run is made of."""
+    """The network and the normalisation of a Q of the run."""
 
     theta: NDArray[np.float32]
     """[P]"""
@@ -70,7 +70,7 @@ class Snapshot(NamedTuple):
         """Q [b] of features [b, F] and actions [b, m], in the task's units.
 
         Raises:
-            ValueError: where the run learns no critic.
+            ValueError: if the run learns no critic.
         """
         if self.critic is None:
             raise ValueError("this run learns no critic: it has no Q to look at")
@@ -80,7 +80,7 @@ class Snapshot(NamedTuple):
         return self.critic.value_mean + self.critic.value_std * q
 
     def arrays(self) -> State:
-        """Plain arrays by name; `snapshot_of` undoes it."""
+        """Plain arrays by name; `snapshot_of` is the inverse."""
         own = {
             "timestep": np.array(self.timestep),
             "actions": np.array(self.actions),
@@ -92,7 +92,7 @@ class Snapshot(NamedTuple):
 
 
 def snapshot_of(arrays: State) -> Snapshot:
-    """What `Snapshot.arrays` made into arrays. Raises KeyError for others."""
+    """The snapshot of the arrays of `Snapshot.arrays`. Raises KeyError for other arrays."""
     policy, critic = part(arrays, "policy"), part(arrays, "critic")
     return Snapshot(
         int(arrays["timestep"]),
@@ -106,7 +106,7 @@ def snapshot_of(arrays: State) -> Snapshot:
 
 
 def _inside(arrays: State) -> Inside:
-    """One number of units is what snapshots had when all networks had two layers of tanh units."""
+    """Read the hidden layers; old snapshots have one number of units, for two layers of tanh."""
     hidden = arrays["hidden"].tolist()
     if isinstance(hidden, int):
         return Inside((hidden, hidden), "tanh")

@@ -1,10 +1,10 @@
-"""Solo: runs that act and learn each by itself, the shortest way to a learner of your own.
+"""Solo: runs that act and learn independently, the shortest way to write your own learner.
 
-A `SoloRun` is one seed. Its author writes how it begins, explores and improves. Counting,
+A `SoloRun` is one seed. Its author defines how it begins, explores and improves. Counting,
 measuring, saving, restoring, snapshots, and errors that end one run alone are the same for all.
 
     for each update:   lived = explore()        takes episodes and counts their steps
-                       (measurements that come due are of the policy as it is here)
+                       (measurements that become due are of the policy here)
                        improve(lived)           changes theta
 """
 
@@ -36,10 +36,10 @@ class SoloRun(CountedRun, ABC, Generic[Config]):
     """One run; see `algorithms.on_policy.learner.Run`.
 
     Attributes:
-        learned: names of the attributes that the next bits depend on, arrays and numbers. They are
+        learned: names of the attributes on which the next bits depend, arrays and numbers. They are
             saved in checkpoints.
         theta: float32 [P], the parameters of the actor, a network of the shape `shape`.
-        environment, seed, config: as the run was given them.
+        environment, seed, config: the arguments of the run.
         timestep: environment steps so far; `explore` counts them.
         jacobians: Jacobians so far; `explore` counts them, if it needs any.
         updates: calls of `improve` so far.
@@ -50,7 +50,7 @@ class SoloRun(CountedRun, ABC, Generic[Config]):
     theta: NDArray[np.float32]
 
     def __init__(self, environment: Environment, seed: int, timesteps: int, config: Config) -> None:
-        """Begin a run of so many timesteps."""
+        """Begin a run of `timesteps`."""
         super().__init__(seed, timesteps)
         self.environment, self.config = environment, config
         self.shape = shape_of(environment.feature_size, environment.action_size, config)
@@ -63,14 +63,14 @@ class SoloRun(CountedRun, ABC, Generic[Config]):
 
     @abstractmethod
     def explore(self) -> Any:
-        """Act for some episodes, and return what `improve` is to learn from."""
+        """Act for some episodes, and return the data from which `improve` learns."""
 
     @abstractmethod
     def improve(self, lived: Any) -> None:
-        """Change theta by what `explore` returned."""
+        """Change theta, given the result of `explore`."""
 
     def random(self, purpose: str, index: int = 0) -> np.random.Generator:
-        """The generator of this seed, for a purpose in words and a number of the draw."""
+        """The generator of this seed, for a purpose in words and an index."""
         return generator(self.seed, purpose, index)
 
     def returns_of(self, thetas: NDArray[np.float32]) -> NDArray[np.float64]:
@@ -90,10 +90,10 @@ class SoloRun(CountedRun, ABC, Generic[Config]):
         return played.returns
 
     def policy_of(self, theta: NDArray[np.float32]) -> Policy:
-        """The policy of an actor, which sees the features as they are.
+        """The policy of an actor, with unnormalised features.
 
         Raises:
-            ValueError: for an array that is no theta.
+            ValueError: for an array that is not a theta.
         """
         size = parameter_size(self.shape)
         if theta.dtype != np.float32 or theta.shape != (size,):
@@ -119,7 +119,7 @@ class SoloRun(CountedRun, ABC, Generic[Config]):
         self._counted = self.timestep
 
     def learn(self, lived: Any) -> None:
-        """Improve, and see that theta is finite."""
+        """Improve, and check that theta is finite."""
         self.improve(lived)
         self.updates += 1
         if not np.isfinite(self.theta).all():
@@ -127,7 +127,7 @@ class SoloRun(CountedRun, ABC, Generic[Config]):
 
     @property
     def nbytes(self) -> int:
-        """Negligible; a run that keeps much overrides this (see `Algorithm.memory`)."""
+        """Negligible; a run that stores much data overrides this (see `Algorithm.memory`)."""
         return 0
 
     def restore(self, state: State) -> None:
@@ -149,7 +149,7 @@ class SoloLearner(OnPolicyLearner[SoloRun[Any], Any]):
 
 
 def attempted(call: Callable[[], Any]) -> Any:
-    """What a call returns, or the error that it raises."""
+    """The result of a call, or the error that it raises."""
     try:
         return call()
     except Exception as error:
@@ -159,7 +159,7 @@ def attempted(call: Callable[[], Any]) -> Any:
 def builder_of(
     run: Callable[[Environment, int, int, Any], SoloRun[Any]],
 ) -> Callable[..., SoloLearner]:
-    """The builder of an `Algorithm` whose runs are of this class."""
+    """The builder of an `Algorithm` with runs of this class."""
 
     def build(
         environment: Environment,

@@ -1,4 +1,4 @@
-"""State: what the next bits of a run depend on, as plain arrays by name.
+"""State: all values on which a run's next bits depend, as plain arrays by name.
 
 All randomness is drawn from generators named by (seed, purpose, index), so the state holds counters
 and no generator. A state of many parts puts each part's name before the names in it: "actor/theta".
@@ -14,12 +14,12 @@ State = Mapping[str, NDArray[Any]]
 
 
 class Saved(NamedTuple):
-    """A run as it was left."""
+    """A saved run."""
 
     state: State
-    """What the next bits depend on, but for the journal."""
+    """All values on which the next bits depend, except the journal."""
     journal: State
-    """Arrays of a row for each timestep, `[t, ...]`; empty for learners that keep none."""
+    """Arrays with a row for each timestep, `[t, ...]`; empty for learners without a journal."""
 
 
 def within(name: str, state: State) -> dict[str, NDArray[Any]]:
@@ -28,7 +28,7 @@ def within(name: str, state: State) -> dict[str, NDArray[Any]]:
 
 
 def part(state: State, name: str) -> State:
-    """The state of one part; undoes `within`."""
+    """The state of one part, the inverse of `within`."""
     prefix = f"{name}/"
     return {
         key.removeprefix(prefix): array for key, array in state.items() if key.startswith(prefix)
@@ -39,7 +39,7 @@ def fill(target: NDArray[Any], array: NDArray[Any]) -> None:
     """Overwrite `target` with an array of its own shape and type.
 
     Raises:
-        ValueError: where they differ: the state is of another learner.
+        ValueError: if they differ, since the state is then of another learner.
     """
     if target.shape != array.shape or target.dtype != array.dtype:
         raise ValueError(

@@ -1,14 +1,14 @@
-"""Stopwatch: what training a cohort costs, run by run, in processor time.
+"""Stopwatch: the cost of training a cohort, run by run, in processor time.
 
     seconds          of training: acting and learning
     compile_seconds  of compiling kernels, and of loading them from numba's cache
 
-Both are by the clock of the thread that trains, which stands still while the thread waits: work
-beside it does not count, but for what it takes of the caches and of the core's pace. Kernels are
-compiled or loaded within their first calls, wherever those are; numba holds a lock meanwhile, and
-says so.
+Both are measured by the clock of the training thread, which stops while the thread waits: other
+work on the machine does not count, except for its effect on caches and on the core's speed. Kernels
+are compiled or loaded in their first calls, wherever these are; meanwhile numba holds a lock, and
+triggers events for it.
 
-What is neither of the two is not counted: evaluation episodes, diagnostics, checkpoints.
+Anything else is not counted: evaluation episodes, diagnostics, checkpoints.
 """
 
 import threading
@@ -27,9 +27,9 @@ _COMPILER_LOCK = "numba:compiler_lock"  # numba's event; held to compile a kerne
 
 
 class _OfThread(threading.local):
-    """How deep in the compiler a thread is, since when, and how long it was there before."""
+    """The depth of a thread's calls of the compiler, their start, and the time spent before."""
 
-    depth = 0  # a kernel compiles those that it calls before itself
+    depth = 0  # nested: a kernel first compiles those that it calls
     begun = 0.0
     seconds = 0.0
 
@@ -42,11 +42,11 @@ class _Compiler(event.Listener):
 
     @property
     def seconds(self) -> float:
-        """Of the calling thread, so far."""
+        """The seconds of the calling thread so far."""
         return self._own.seconds
 
     def on_start(self, event: Any) -> None:
-        """Begin, unless the compiler was called by itself."""
+        """Begin, unless the compiler called itself."""
         del event
         if not self._own.depth:
             self._own.begun = time.thread_time()
@@ -65,11 +65,11 @@ _events.register(_COMPILER_LOCK, _COMPILER)
 
 
 class Cost:
-    """What one run has cost so far.
+    """The cost of one run so far.
 
     Attributes:
-        seconds: of training; what a resumed run had cost by its checkpoint counts on.
-        compile_seconds: of its kernels, in every process that has trained it.
+        seconds: seconds of training; a resumed run continues from the value in its checkpoint.
+        compile_seconds: seconds for its kernels, in every process that has trained it.
     """
 
     def __init__(self) -> None:
@@ -78,7 +78,7 @@ class Cost:
         self.compile_seconds = 0.0
 
     def state(self) -> State:
-        """All of it."""
+        """Both numbers."""
         return {
             "seconds": np.array(self.seconds),
             "compile_seconds": np.array(self.compile_seconds),
@@ -94,22 +94,23 @@ class Stopwatch:
     """Shares the time of a cohort among its runs.
 
     Attributes:
-        costs: of the runs in training, by seed.
+        costs: the costs of the runs in training, by seed.
     """
 
     def __init__(self, costs: Mapping[int, Cost]) -> None:
-        """Add to these from now on."""
+        """Add to these costs from now on."""
         self.costs = dict(costs)
 
     def keep(self, seeds: Collection[int]) -> None:
-        """Count for these only: the others have left the cohort."""
+        """Count only for these seeds: the others have left the cohort."""
         self.costs = {seed: self.costs[seed] for seed in seeds}
 
     @contextmanager
     def training(self, seeds: Collection[int]) -> Iterator[None]:
-        """Count what is done within as training, shared evenly by these runs.
+        """Count this context as training, shared evenly by these runs.
 
-        What is compiled or loaded meanwhile serves all, and is shared evenly by all. Not nested.
+        The time of kernels that are compiled or loaded in it is shared evenly by all runs. These
+        contexts must not be nested.
         """
         begun, compiled = time.thread_time(), _COMPILER.seconds
         try:
@@ -123,5 +124,5 @@ class Stopwatch:
                 cost.compile_seconds += compiling / len(self.costs)
 
     def aside(self) -> AbstractContextManager[None]:
-        """Count what is compiled or loaded within, and nothing else: it is not training."""
+        """Count only the kernels compiled or loaded in this context: it is not training."""
         return self.training(())

@@ -1,8 +1,8 @@
-"""Threads: what multiplies matrices runs on one, whoever else uses it.
+"""Threads: limits the libraries that multiply matrices to one thread.
 
 A product's bits may depend on the number of threads, a worker has one core, and a run's seconds are
-those of one thread. That is the BLAS behind the compiled products, and torch, behind tasks that are
-written in it.
+those of one thread. The libraries are the BLAS of the compiled products, and torch, for tasks that
+are written in it.
 """
 
 import sys
@@ -24,7 +24,7 @@ def one_thread() -> Iterator[None]:
 
 @contextmanager
 def _one_torch_thread() -> Iterator[None]:
-    """The same for torch, where it has been loaded: a task of numba alone does without."""
+    """The same for torch, if it has been loaded: tasks written in numba do not need it."""
     torch = sys.modules.get("torch")
     if torch is None:
         yield

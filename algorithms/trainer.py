@@ -21,17 +21,17 @@ from algorithms.training import Task, prepare
 from physics.kernels.compile_notice import noticed
 
 Callback = Callable[[Measurement], bool | None]
-"""Is given every measurement; True stops the run that it is of."""
+"""A function that is called with every measurement; True stops the run of the measurement."""
 
 
 class Trainer(Iterator[Measurement]):
-    """A cohort of runs in training: an iterator of their measurements, which gives their policies.
+    """A cohort of runs in training: an iterator over their measurements, with their policies.
 
-    Training goes on while you iterate, and stands still otherwise. Leave the loop whenever you
-    like: `policy` gives what was learned so far, and a second loop continues.
+    Training continues while you iterate, and pauses otherwise. You can leave the loop at any time:
+    `policy` returns the policy learned so far, and a second loop continues.
 
     Attributes:
-        measurements: all so far.
+        measurements: all measurements so far.
         ended: by seed, how a run ended early.
     """
 
@@ -92,10 +92,10 @@ class Trainer(Iterator[Measurement]):
     def policy(self, seed: int | None = None) -> TrainedPolicy:
         """The policy of a run as it is now.
 
-        That of an on-policy learner is an update ahead of its last measurement.
+        The policy of an on-policy learner is one update ahead of its last measurement.
 
         Args:
-            seed: of the run; not needed where there is only one.
+            seed: the seed of the run; not needed if there is only one.
 
         Raises:
             ValueError: for another seed, for a run that ended early, and for an algorithm that
@@ -155,11 +155,11 @@ def train(
         algorithm: a name of `algorithms.names()`, or an `Algorithm` of your own.
         environment: a task: a name that `physics.make` takes, a class or an instance.
         seeds: one run each, all different, from 0 on; a sequence or an array of integers.
-        weights: (w1, w2), of the action and state gradient terms; None: the preset's. A hybrid with
-            (0, 0) is its baseline, bit for bit, and a warning says so.
-        timesteps: environment steps of each run; None: the preset's.
+        weights: (w1, w2), those of the action and state gradient terms; None for the preset's. A
+            hybrid with (0, 0) is its baseline, bit for bit, and a warning says so.
+        timesteps: environment steps of each run; None for the preset's.
         config: settings that replace those of the preset; all others are the algorithm's defaults.
-        callback: is called with each measurement; where it returns True, the run of that seed
+        callback: a function called with each measurement; if it returns True, the run of that seed
             stops, and its policy stays as it is.
 
     Returns:

@@ -1,4 +1,4 @@
-"""Training: from names and values to a learner, all of them checked."""
+"""Training: checks names and values, and builds a learner from them."""
 
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
@@ -23,7 +23,7 @@ Task = str | Environment | type[Environment]
 
 @dataclass(frozen=True)
 class Prepared:
-    """A cohort of runs that may be built: every argument was checked."""
+    """A cohort of runs that can be built: every argument has been checked."""
 
     algorithm: Algorithm
     environment: Environment
@@ -42,7 +42,7 @@ class Prepared:
 
     @property
     def title(self) -> str:
-        """What is trained, in words."""
+        """A title: the algorithm and the task."""
         return f"{self.algorithm.name} on {self.environment.label}"
 
 
@@ -54,7 +54,7 @@ def build(
     timesteps: int | None = None,
     config: Mapping[str, Any] | None = None,
 ) -> Learner:
-    """Build the learner that `train` advances; same arguments, and the same ValueError."""
+    """Build the learner that `train` advances; arguments and ValueError are those of `train`."""
     return prepare(algorithm, environment, seeds, weights, timesteps, config)()
 
 
@@ -68,7 +68,7 @@ def prepare(
 ) -> Prepared:
     """Check the arguments; calling what this returns builds the learner.
 
-    Same arguments and ValueError as `train`. Nothing is compiled before that call.
+    The arguments and ValueError are those of `train`. Nothing is compiled before that call.
     """
     chosen, task = catalogue.find(algorithm), physics.as_task(environment)
     usual = preset(chosen.name, task.name)
@@ -99,7 +99,7 @@ def checked_settings(algorithm: Algorithm, given: Mapping[str, Any]) -> Any:
 
 
 def _mistake(error: Mapping[str, Any], known: Sequence[str]) -> str:
-    """What is wrong with one setting, a sentence."""
+    """The mistake in one setting, as a sentence."""
     name = ".".join(map(str, error["loc"]))
     if error["type"] != "unexpected_keyword_argument":
         return f"{name}: {error['msg']}, not {error['input']!r}"
@@ -109,7 +109,7 @@ def _mistake(error: Mapping[str, Any], known: Sequence[str]) -> str:
 
 
 def check_pair(algorithm: Algorithm, environment: Environment) -> None:
-    """Refuse an algorithm that the task cannot serve."""
+    """Refuse an algorithm that cannot learn on the task."""
     if algorithm.needs_reward_gradient and not environment.reward_is_differentiable:
         raise ValueError(
             f"{algorithm.name} needs the reward's gradient, and that of {environment.name} is "
@@ -118,7 +118,7 @@ def check_pair(algorithm: Algorithm, environment: Environment) -> None:
 
 
 def seed_numbers(seeds: Iterable[int]) -> list[int]:
-    """The seeds as plain integers; refuse others, by name."""
+    """The seeds as plain integers. Raises ValueError for others."""
     try:
         numbers = [index(seed) for seed in seeds]
     except TypeError:
@@ -129,7 +129,7 @@ def seed_numbers(seeds: Iterable[int]) -> list[int]:
 
 
 def step_number(timesteps: int) -> int:
-    """The timesteps as a plain integer; refuse others, by name."""
+    """The timesteps as a plain integer. Raises ValueError for others."""
     try:
         number = index(timesteps)
     except TypeError:
@@ -140,7 +140,7 @@ def step_number(timesteps: int) -> int:
 
 
 def check_weights(algorithm: Algorithm, weights: tuple[float, float]) -> None:
-    """Refuse weights out of range, by name."""
+    """Raise ValueError for weights out of range."""
     if np.shape(weights) != (2,) or not all(
         w == 0 or SMALLEST_WEIGHT <= w <= LARGEST_WEIGHT for w in weights
     ):

@@ -1,9 +1,9 @@
-"""Dispatch: what a run costs beyond its own work, and how soon the service answers meanwhile.
+"""Dispatch: the cost of a run beyond its own work, and the service's response time meanwhile.
 
-A run's overhead is the time from its claim to its recorded end, both by the database's clock, less
-the processor time that its learner told of: training, and loading kernels. Its one evaluation, some
-5 ms, counts as overhead. The runs are of 800 timesteps and train one after the
-other on a warm worker of a real service. The peer, in the same run, is Ray's own task that does
+A run's overhead is the time from its claim to its recorded end, both by the database's clock, minus
+the processor time that its learner reported for training and for loading kernels. Its one
+evaluation, about 5 ms, counts as overhead. The runs have 800 timesteps and train one after the
+other on a warm worker of a real service. The peer, in the same run, is a Ray task that does
 nothing, on a warm worker and on a new one each time.
 """
 
@@ -53,7 +53,7 @@ def main() -> None:
 
 
 def run_overhead(client: Client) -> float:
-    """From claim to recorded end, less the learner's work, of a run that nothing waits for."""
+    """The seconds from claim to recorded end of a single run, minus the learner's work."""
     sweep_id = client.submit(SMALL).id
     client.wait(sweep_id, timeout_seconds=240)
     [run] = client.runs(sweep_id)
@@ -65,7 +65,7 @@ def run_overhead(client: Client) -> float:
 
 
 def healthz_waits(client: Client) -> list[float]:
-    """How long each answer took, in seconds, while both workers train."""
+    """The seconds of each answer while both workers train."""
     sweep_id = client.submit(ENDLESS).id
     while sum(run.timestep > 0 for run in client.runs(sweep_id)) < 32:
         time.sleep(0.1)
@@ -82,7 +82,7 @@ def healthz_waits(client: Client) -> list[float]:
 
 
 def ray_seconds() -> tuple[list[float], list[float]]:
-    """From calling a task that does nothing to its result: on a warm worker, on a new one."""
+    """The seconds of a task that does nothing, until its result: on a warm worker, on a new one."""
     with local_ray():
         idle: Any = ray.remote(_nothing)
         call_seconds(idle)

@@ -1,10 +1,10 @@
-"""The reading of a sweep of 20,000 runs of 250 points: seconds and memory of what its page asks.
+"""Reading a sweep of 20,000 runs of 250 points: seconds and memory of its page's requests.
 
-The sweep has 10 tasks, 20 entries in each and 100 seeds: five million points, made up. To hold: any
-read in at most 3 s and 300 MB beyond what the service takes idle, and 16 at once in 600 MB. The
-service is a process of its own; its memory is the largest that the kernel has seen
-(`VmHWM`), reset before each request. Processor time is the service's. The second read shows what
-the first has read already, as a page does that is drawn anew.
+The sweep has 10 tasks, 20 entries in each and 100 seeds: five million invented points. To hold: any
+read in at most 3 s and 300 MB more than the idle service, and 16 at once in 600 MB. The service is
+a separate process; its memory is the largest that the kernel has seen (`VmHWM`), reset before each
+request. Processor time is the service's. The second read shows the same data as the first, as when
+a page is drawn again.
 """
 
 import argparse
@@ -103,7 +103,7 @@ def report(client: httpx2.Client, pid: int, link: str, runs: int) -> None:
 
 
 def show(name: str, pid: int, idle: float, ask: Callable[[], list[httpx2.Response]]) -> None:
-    Path(f"/proc/{pid}/clear_refs").write_text("5")  # forget the largest
+    Path(f"/proc/{pid}/clear_refs").write_text("5")  # reset the largest memory
     begun, busy = time.perf_counter(), processor_seconds(pid)
     answers = ask()
     wall, busy = time.perf_counter() - begun, processor_seconds(pid) - busy
@@ -118,7 +118,7 @@ def read_once(client: httpx2.Client, address: str) -> list[httpx2.Response]:
 
 
 def begun(client: httpx2.Client, address: str) -> httpx2.Response:
-    """Read the beginning of a stream and give it up."""
+    """Read the beginning of a stream, then close it."""
     with client.stream("GET", address) as response:
         chunks = response.iter_bytes()
         beginning = b"".join(next(chunks) for _ in range(100))
@@ -126,7 +126,7 @@ def begun(client: httpx2.Client, address: str) -> httpx2.Response:
 
 
 def memory(pid: int, name: str) -> float:
-    """Megabytes of a process, as the kernel counts them under that name."""
+    """Megabytes of a process in the kernel's counter of that name."""
     lines = Path(f"/proc/{pid}/status").read_text().splitlines()
     return next(int(line.split()[1]) / 1e3 for line in lines if line.startswith(name))
 
@@ -144,7 +144,7 @@ def serve(data_dir: Path, listener: socket.socket) -> None:
 
 
 def filled(settings: Settings, seeds: int) -> str:
-    """Store the sweep, its measurements straight into their table, and return its id."""
+    """Store the sweep, with its measurements directly in their table, and return its id."""
     store = Store.open(settings.store_url)
     weights = [Weights(0.01 * entry, 0.0) for entry in range(ENTRIES)]
     specs = [
@@ -168,7 +168,7 @@ def filled(settings: Settings, seeds: int) -> str:
 
 
 def measure(settings: Settings) -> None:
-    """Have every run measured to its end, as no worker could in this time."""
+    """Store all measurements of every run, faster than workers could."""
     rng = generator(0, "large sweep")
     engine = connect(settings.store_url, "writer")
     with engine.begin() as connection:

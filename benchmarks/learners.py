@@ -1,15 +1,15 @@
-"""Learners: seed-updates a second on one core, beside stable-baselines3 and JAX in the same run.
+"""Learners: seed-updates per second on one core, compared with stable-baselines3 and JAX.
 
-Networks 64-64, batch 64, state 14, action 4. An update is one Adam step of every network and of
-every target; ours are timed a cycle of 50 at a time, with all that a cycle does to learn (drawing
-batches, adapting the noise, moving the value scale); stable-baselines3's as its `train` does them
-(its SAC, with a fixed temperature, has targets of both critics in place of V); JAX's as
-benchmarks/peers/jax_ddpg.py says. No environment steps are counted on any side.
-The whole process is bound to one core. All take turns, round after round, and of each the best
-round counts: other programs can only slow one down.
+Networks have 64-64 units, batches 64 rows, states 14 numbers, actions 4. An update is one Adam step
+of every network and of every target. Ours are timed in cycles of 50, with all of a cycle's learning
+(drawing batches, adapting the noise, changing the value scale); those of stable-baselines3 as in
+its `train` (its SAC, with a fixed temperature, has targets of both critics in place of V); JAX's as
+in benchmarks/peers/jax_ddpg.py. Environment steps are not included for any of them. All are
+measured in the same run, and the whole process is bound to one core. They take turns, round after
+round, and the best round of each counts: other programs can only slow one down.
 
-Also: the rate of batched 64 x 64 products of float32 (the work of a hidden layer), and the share of
-it that our updates reach, counting their matrix products alone.
+It also prints the rate of batched 64 x 64 products of float32 (the work of a hidden layer), and the
+share of it that our updates reach, counting only their matrix products.
 
     python -m benchmarks.learners [--seconds 1]
 """
@@ -50,7 +50,7 @@ Learn = Callable[[], None]
 
 
 class Sizes(Environment):
-    """A task with the sizes of the half cheetah that is never stepped."""
+    """A task that is never stepped, with the sizes of the half cheetah."""
 
     name = "Sizes"
     version = 1
@@ -64,12 +64,12 @@ class Sizes(Environment):
         return generator.standard_normal(STATE)
 
     def draw(self, state: FloatArray) -> Drawing:
-        """Nothing to see."""
+        """An empty drawing."""
         return Drawing(view=(0.0, 0.0, 1.0, 1.0), shapes=())
 
 
 def fill_replay(agent: Agent, random: np.random.Generator, linearized: bool) -> None:
-    """Let an agent remember random transitions and, for a hybrid, derivatives."""
+    """Store random transitions and, for a hybrid, derivatives in an agent's replay."""
     columns, rows = (STATE + ACTION, STORED) if linearized else (0, 0)
 
     def numbers(*shape: int) -> np.ndarray:
@@ -88,7 +88,7 @@ def fill_replay(agent: Agent, random: np.random.Generator, linearized: bool) -> 
 
 
 def our_cycle(name: str, seeds: int) -> Learn:
-    """A cycle of updates of each of so many runs."""
+    """A cycle of updates of each of `seeds` runs."""
     algorithm, weights = catalogue.find(name), WEIGHTS[name]
     config = algorithm.config_class()(cycle_updates=CYCLE)
     agents = algorithm.load()(Sizes(), range(seeds), weights, STORED, config)._agents
@@ -111,7 +111,7 @@ class PeerTask(gymnasium.Env[np.ndarray, np.ndarray]):
 
 
 def peer_cycle(peer: type[DDPG] | type[SAC], **settings: Any) -> Learn:
-    """As many updates of a learner of stable-baselines3, of one run."""
+    """The same number of updates of a learner of stable-baselines3, for one run."""
     model = peer(
         "MlpPolicy",
         PeerTask(),
@@ -133,7 +133,7 @@ def peer_cycle(peer: type[DDPG] | type[SAC], **settings: Any) -> Learn:
 
 
 def product_cycle() -> Learn:
-    """As many 64 x 64 products of float32 as one call of numpy does in a stack of 16."""
+    """A cycle of calls of numpy, each with a stack of 16 products of 64 x 64 float32 matrices."""
     left, right = generator(0, "benchmark").standard_normal((2, 16, 64, 64)).astype(np.float32)
     result = np.empty_like(left)
 
@@ -159,7 +159,7 @@ def product_flops(name: str) -> float:
 
 
 def sac_flops(weights: tuple[float, float]) -> float:
-    """Of a target, the policy's loss (with both critics), V's, and the two critics'."""
+    """The operations of a target, the policy's loss (with both critics), V's, both critics'."""
     policy, value = pass_flops(STATE, 2 * ACTION), pass_flops(STATE, 1)
     critic = pass_flops(STATE + ACTION, 1)
     target, of_critics = value, 2 * 3 * critic
@@ -170,7 +170,7 @@ def sac_flops(weights: tuple[float, float]) -> float:
 
 
 def ddpg_flops(weights: tuple[float, float]) -> float:
-    """Of a target, the critic's loss and the actor's."""
+    """The operations of a target, the critic's loss and the actor's."""
     actor, critic = pass_flops(STATE, ACTION), pass_flops(STATE + ACTION, 1)
     target, of_critic, of_actor = actor + critic, 3 * critic, 3 * actor + 2 * critic
     if any(weights):
@@ -180,7 +180,7 @@ def ddpg_flops(weights: tuple[float, float]) -> float:
 
 
 def best_seconds(learns: dict[str, Learn], seconds: float) -> dict[str, float]:
-    """Seconds a call of each takes in its best round, each round about `seconds` long."""
+    """The seconds per call of each in its best round; a round takes about `seconds`."""
     calls = {}
     for name, learn in learns.items():
         learn()
@@ -204,7 +204,7 @@ def plural(seeds: int) -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seconds", type=float, default=1.0, help="of a round")
+    parser.add_argument("--seconds", type=float, default=1.0, help="length of a round")
     seconds = parser.parse_args().seconds
     torch.set_num_threads(1)
     learns = {
@@ -241,5 +241,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})  # before JAX makes its threads
+    os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})  # before JAX starts its threads
     main()

@@ -1,13 +1,13 @@
-"""Many workers: what one service costs a run, and how many workers it can serve.
+"""Many workers: the service's cost per run, and the number of workers that it can serve.
 
-The workers are pretended, 10, 100 and 1,000 of them; the dispatcher, the scheduler and the store
+The workers are simulated, 10, 100 and 1,000 of them; the dispatcher, the scheduler and the store
 are real, with 100,000 runs queued, on SQLite and on PostgreSQL. Each worker has 16 runs at once, of
-50 measurements, one a second, as a real one does on a fast core; it reports as often as it is told.
+50 measurements, one per second, like a real one on a fast core; it reports as often as required.
 
-What counts is processor time (see simulated/processor_time.py): the service's threads, and
-PostgreSQL's sessions. It is not seconds of this machine, which may have other work; those are
-printed as the most that it can be. A worker's time is lost while it waits for a cohort or for its
-news to be taken in. The service is saturated where a second's reports cost a second.
+The cost is processor time (see simulated/processor_time.py) of the service's threads and of
+PostgreSQL's sessions. It is not wall time, since this machine may have other work; wall time is
+printed as an upper bound. A worker's time is lost while it waits for a cohort or for its reports to
+be processed. The service is saturated when the reports of one second cost one second.
 
     python -m benchmarks.many_workers [sqlite] [postgresql] [--workers 10 100 1000]
 """
@@ -32,13 +32,13 @@ WORKERS = (10, 100, 1000)
 QUEUED = 100_000
 SWEEPS = 5
 REPORTS = 1000
-"""At least so many are measured, and three of each worker."""
+"""The smallest number of reports that are measured; at least three per worker are."""
 TIMES = DispatchTimes(lease=3600.0)  # in the database's time, which is this machine's
 
 
 @dataclass(frozen=True)
 class Spent:
-    """What had been spent, in seconds, and what was had for it. `passed` is the workers' time."""
+    """The seconds spent so far, and the work done in them. `passed` is the workers' time."""
 
     passed: float
     service: float
@@ -51,39 +51,39 @@ class Spent:
     runs: int
 
     def since(self, earlier: "Spent") -> "Spent":
-        """What was added since."""
+        """The difference from an earlier moment."""
         return Spent(*(mine - vars(earlier)[name] for name, mine in vars(self).items()))
 
     @property
     def processor(self) -> float:
-        """Seconds of the service and of its database, which work in turn."""
+        """Seconds of the service and of its database, which work alternately."""
         return self.service + self.database
 
 
 class Bench:
-    """A dispatcher with so many workers, at work on a store."""
+    """A dispatcher with `workers` workers on a store."""
 
     def __init__(self, store: Store, postgres: int | None, workers: int) -> None:
-        """`postgres` is its server's process, where there is one."""
+        """`postgres` is the process of the database's server, if there is one."""
         self.time = ProcessorTime(postgres)
         self.pool = PretendedPool(workers, self.time)
         self.dispatcher = Dispatcher(store, self.pool, TIMES, lambda: self.pool.now)
         self.rounds = 0
 
     def work(self) -> None:
-        """Have the dispatcher do a round."""
+        """Run one round of the dispatcher."""
         self.dispatcher.work_round()
         self.rounds += 1
 
     def take_in(self, reports: int) -> None:
-        """Work until so many more reports have been taken in."""
+        """Work until `reports` more reports have been processed."""
         until = self.pool.reports_told + reports
         while self.pool.reports_told < until:
             self.work()
 
     @property
     def spent(self) -> Spent:
-        """What has been spent so far."""
+        """The time spent and the work done so far."""
         pool = self.pool
         return Spent(
             passed=pool.now,
@@ -99,7 +99,7 @@ class Bench:
 
 
 def main() -> None:
-    """Print every figure of the databases that are asked for."""
+    """Print every figure of the databases named on the command line."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("databases", nargs="*", default=DATABASES, metavar="|".join(DATABASES))
     parser.add_argument("--workers", type=int, nargs="+", default=WORKERS)
@@ -114,7 +114,7 @@ def main() -> None:
 
 
 def measure_all(name: str, url: str, postgres: int | None, sizes: Sequence[int]) -> None:
-    """Measure one database, empty at first, with ever more workers."""
+    """Measure one database, initially empty, with increasing numbers of workers."""
     store = Store.open(url)
     submit(store)
     for workers in sizes:
@@ -123,11 +123,11 @@ def measure_all(name: str, url: str, postgres: int | None, sizes: Sequence[int])
 
 
 def measure(name: str, bench: Bench, workers: int) -> None:
-    """Wait until every worker is in the midst of its work, and measure what comes then."""
+    """Wait until every worker is in the middle of its work, then measure."""
     bench.work()
     while bench.pool.is_idle:
         bench.work()
-    bench.work()  # and has said a word
+    bench.work()  # and has sent a report
     report(f"{name}, until each had its first cohort", bench.pool.now, "s")
     bench.take_in(workers)
     before = bench.spent
@@ -147,7 +147,7 @@ def measure(name: str, bench: Bench, workers: int) -> None:
 
 
 def submit(store: Store) -> None:
-    """Queue all runs, in several sweeps, and as many again as are running when it is measured."""
+    """Queue all runs in several sweeps, plus those that run during the measurement."""
     cells = QUEUED * 6 // 5 // SWEEPS // COHORT_LIMIT
     specs = [
         RunSpec("ddpg", "Pendulum", seed, Weights(float(cell)))

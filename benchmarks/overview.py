@@ -1,11 +1,11 @@
-"""The reading of a large sweep: seconds and bytes of what its page asks for.
+"""Reading a large sweep: seconds and bytes of its page's requests.
 
 The sweep has 7 tasks, 8 curves in each, 16 seeds and 250 measurements a run: 896 runs, 224,000
-points. Its numbers are made up, the way to them is whole: an HTTP request in, stored measurements
-aggregated, the body out. To hold: the curves in under 1 s and 1 MB. While figures are drawn, a
-second client asks for /healthz without pause: its 99th percentile says whether drawing holds others
-up. Beside the wall time stands the processor time that server and client took, which other
-programs on the machine cannot inflate much; the best of so many rounds counts.
+points. Its numbers are invented, but the whole path is measured: an HTTP request arrives, stored
+measurements are aggregated, and the body is sent. To hold: the curves in under 1 s and 1 MB. While
+figures are drawn, a second client requests /healthz without pause: its 99th percentile shows
+whether drawing delays others. Beside the wall time it prints the processor time of server and
+client, which other programs on the machine cannot increase much; the best of several rounds counts.
 """
 
 import argparse
@@ -52,7 +52,7 @@ EVERY = 800
 
 @dataclass
 class NoCluster:
-    """A dispatcher of nothing."""
+    """A dispatcher without workers."""
 
     problem: str | None = None
     workers: dict[str, bool] = field(default_factory=dict)
@@ -163,7 +163,7 @@ def measured(spec: RunSpec) -> Iterator[Measurement]:
 
 @contextmanager
 def asking_healthz(url: str) -> Iterator[list[float]]:
-    """Ask without pause while inside; the waits in seconds are in the list afterwards."""
+    """Send requests without pause in this context; the list then holds the waits in seconds."""
     waits: list[float] = []
     is_over = threading.Event()
 

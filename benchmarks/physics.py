@@ -1,12 +1,12 @@
-"""Physics: transitions a second of every task, beside Gymnasium's and gymnax's classic tasks.
+"""Physics: transitions per second of every task, compared with Gymnasium's and gymnax's tasks.
 
-Ours are rollouts of random actions over `batch` rows, call by call through the public methods, with
-every row that ended put back to a start state, and all of them at the horizon (a die that has come
-to rest costs next to nothing). Gymnasium's are rollouts over as many environments, with its own
-resets; gymnax's are whole rollouts in one jitted scan. All take turns in short rounds on one core,
-and the best round of each counts: other programs can only slow one down.
+Ours are rollouts of random actions over `batch` rows, call by call through the public methods.
+Every row that ended is reset to a start state, and all rows at the horizon (a die at rest costs
+almost nothing). Gymnasium's are rollouts over as many environments, with its own resets; gymnax's
+are whole rollouts in one jitted scan. All take turns in short rounds on one core, and the best
+round of each counts: other programs can only slow one down.
 
-The robots have a benchmark of their own, beside MuJoCo: benchmarks/robots.py.
+The robots have their own benchmark with MuJoCo as peer: benchmarks/robots.py.
 """
 
 import argparse
@@ -25,7 +25,7 @@ from physics.environment import Environment
 from physics.randomness import generator
 
 BATCHES = (1, 16)
-# Our task -> Gymnasium's own, how it runs 16 at a time fastest, and what it calls that.
+# Our task -> Gymnasium's own, and the mode in which 16 of it run fastest, with its name.
 GYMNASIUM = {
     "CartPole": ("CartPole-v1", "vector_entry_point", "native vector"),
     "Pendulum": ("Pendulum-v1", "sync", "SyncVectorEnv"),
@@ -35,7 +35,7 @@ GYMNASIUM = {
 
 
 class Contender(NamedTuple):
-    """Something that makes so many transitions a call."""
+    """A function, and the number of transitions of a call."""
 
     name: str
     call: Callable[[], None]
@@ -43,7 +43,7 @@ class Contender(NamedTuple):
 
 
 def best_rates(contenders: Sequence[Contender], seconds: float, rounds: int) -> list[float]:
-    """Transitions a second of each one's best round, each of about `seconds`."""
+    """Transitions per second in the best round of each; a round takes about `seconds`."""
     calls = []
     for contender in contenders:
         contender.call()
@@ -64,7 +64,7 @@ def best_rates(contenders: Sequence[Contender], seconds: float, rounds: int) -> 
 
 
 def our_step(environment: Environment, batch: int, with_derivatives: bool) -> Callable[[], None]:
-    """One step of a rollout of ours."""
+    """One step of one of our rollouts."""
     random = generator(0, "benchmark")
     starts = environment.initial_states(range(batch))
     actions = list(random.uniform(-1.0, 1.0, (64, batch, environment.action_size)))
@@ -87,7 +87,7 @@ def our_step(environment: Environment, batch: int, with_derivatives: bool) -> Ca
 
 
 def peers(name: str, batch: int, gymnax: Any) -> Iterator[Contender]:
-    """Who else has the task of that name."""
+    """The peers that have the task of that name."""
     if name not in GYMNASIUM:
         return
     peer, mode, label = GYMNASIUM[name]
@@ -97,7 +97,7 @@ def peers(name: str, batch: int, gymnax: Any) -> Iterator[Contender]:
 
 
 def find_gymnax() -> Any:
-    """The module that runs gymnax, or None where gymnax is not installed."""
+    """The module that runs gymnax, or None if gymnax is not installed."""
     try:
         return importlib.import_module("benchmarks.peers.gymnax_rollout")
     except ModuleNotFoundError as error:

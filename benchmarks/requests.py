@@ -1,8 +1,9 @@
-"""What the service promises of its requests: a sweep of 10,000 runs, and its end with streams open.
+"""The service's limits on requests: a sweep of 10,000 runs, and its end with open streams.
 
-The sweep goes the whole way: an HTTP request in, validated, expanded, durable in SQLite, the answer
-out; to hold: 5 s. The end is that of `d3pg serve` with a local Ray of two workers, told to stop by
-SIGTERM while 50 event streams are open; to hold: 5 s. The worst of several rounds counts.
+The time of the sweep covers the whole path: an HTTP request arrives, is validated and expanded, is
+durable in SQLite, and is answered; to hold: 5 s. The end is that of `d3pg serve` with a local Ray
+of two workers, stopped by SIGTERM while 50 event streams are open; to hold: 5 s. The worst of
+several rounds counts.
 """
 
 import signal
@@ -45,12 +46,12 @@ def main() -> None:
 
 
 def submission_seconds(client: Client) -> float:
-    """How long it takes until the sweep is accepted."""
+    """The seconds until the sweep is accepted."""
     begun = time.perf_counter()
     sweep = client.submit(SWEEP)
     seconds = time.perf_counter() - begun
     assert sweep.runs.total == 10_000
-    client.move(sweep.id, "pause")  # else two workers train meanwhile
+    client.move(sweep.id, "pause")  # otherwise two workers would train meanwhile
     return seconds
 
 

@@ -1,14 +1,15 @@
-"""Robots: a step and its Jacobian, beside MuJoCo's steps and its Jacobians by differences.
+"""Robots: a step and its Jacobian, compared with MuJoCo's steps and Jacobians by differences.
 
-HalfCheetah, Hopper and Walker2d. Ours: `step` and `differentiate` of 16 rows (and of one), states
-on the way of random policies. MuJoCo's, on Gymnasium's models: as many `mj_step` as a step has
-substeps, of the same length, and as many forward `mjd_transitionFD` as the cost of a step's
-Jacobian. Hopper and Walker2d have Runge and Kutta's integrator there; MuJoCo's steps are
-measured with Euler's too, and its Jacobians with that alone: it has no others. States and calls
-take turns, and of each the fastest of many counts: other programs can only slow one down.
+The robots are HalfCheetah, Hopper and Walker2d. Ours are `step` and `differentiate` of 16 rows (and
+of one), in states of random policies. MuJoCo's, on Gymnasium's models, are as many `mj_step` as a
+step has substeps, of the same length, and as many forward `mjd_transitionFD` for the cost of a
+step's Jacobian. There, Hopper and Walker2d have the Runge-Kutta integrator; MuJoCo's steps are also
+measured with Euler's, and its Jacobians only with Euler's, since it has no others. States and calls
+take turns, and the fastest of many counts for each: other programs can only slow one down.
 
-Not beside nimblephysics, the closest peer (LCP contact with analytic Jacobians): its last release,
-0.10.52, was built for NumPy 1, and under NumPy 2 its first vector argument ends the process.
+nimblephysics, the closest peer (LCP contact with analytic Jacobians), is not included: its last
+release, 0.10.52, was built for NumPy 1, and under NumPy 2 its first vector argument ends the
+process.
 """
 
 import argparse
@@ -38,14 +39,14 @@ FILES: dict[type[RobotTask], str] = {
 
 
 def elapsed(call: Callable[[], object]) -> float:
-    """Seconds that a call takes."""
+    """The seconds of a call."""
     start = time.perf_counter()
     call()
     return time.perf_counter() - start
 
 
 def begun_again(environment: RobotTask, following: FloatArray, ends: Any) -> FloatArray:
-    """The next states, episodes that have ended at a start."""
+    """The next states, with start states for episodes that have ended."""
     following = following.copy()
     following[ends] = environment.initial_states(np.flatnonzero(ends))
     return following
@@ -79,9 +80,10 @@ def their_model(environment: RobotTask) -> Any:
 
 
 def their_calls(environment: RobotTask) -> tuple[list[list[Any]], Callable[[int], None]]:
-    """As many `mj_step` (as the model has it, and Euler's) and `mjd_transitionFD` as substeps.
+    """The peer's calls, and a function that sets their state.
 
-    And what sets their state.
+    Each call does `mj_step` (with the model's integrator, or with Euler's) or `mjd_transitionFD`
+    once per substep.
     """
     model, random = their_model(environment), generator(1, "benchmark")
     data, substeps, size = mujoco.MjData(model), environment.substeps, 2 * model.nv

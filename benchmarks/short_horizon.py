@@ -1,14 +1,14 @@
-"""SHAC: steps a second of an update, beside the same loop in torch through `physics.torch_step`.
+"""SHAC: steps per second of an update, compared with a torch loop through `physics.torch_step`.
 
 An update takes a window of 32 steps in 64 environments, computes the exact gradient of their return
-and of the value at their end, steps the actor, and fits the critic, 16 epochs of 4 batches. torch's
-is the plain way to write it: modules of the same sizes in float32, autograd through the window, one
-thread. Windows with the actor's step are also measured by themselves, without the critic's fit, and
-there torch also takes one environment at a time.
+and of the value at their end, steps the actor, and fits the critic in 16 epochs of 4 batches. The
+torch loop is the usual way to write it: modules of the same sizes in float32, autograd through the
+window, one thread. Windows with the actor's step are also measured separately, without the critic's
+fit; there, torch is also measured with one environment at a time.
 
-Of ours there is one run, and a cohort of 16, which shares the calls of the simulator. The process
-is bound to one core; processor time counts, and of each the best round, taking turns: other
-programs can only slow one down.
+Ours are one run, and a cohort of 16, which shares the calls of the simulator. The process is bound
+to one core; all take turns, and the processor time of the best round of each counts: other programs
+can only slow one down.
 
     python -m benchmarks.short_horizon [TASK ...] [--rounds 5]
 """
@@ -37,7 +37,7 @@ SHAPE = {"environments": CONFIG.environments, "window": CONFIG.window}
 
 
 class Ours:
-    """A cohort of runs that learn for ever."""
+    """A cohort of runs without an end."""
 
     def __init__(self, task: str, runs: int) -> None:
         """Begin."""
@@ -67,7 +67,7 @@ class Ours:
 
 
 def module(inputs: int, outputs: int) -> nn.Sequential:
-    """A network as ours are inside."""
+    """A network with the structure of ours."""
     layers: list[nn.Module] = []
     for _ in range(CONFIG.hidden_layers):
         layers += [
@@ -80,7 +80,7 @@ def module(inputs: int, outputs: int) -> nn.Sequential:
 
 
 class Torch:
-    """The same in torch."""
+    """The same loop in torch."""
 
     def __init__(self, task: str, environments: int) -> None:
         """Draw the networks."""
@@ -103,7 +103,7 @@ class Torch:
         self.steps = CONFIG.window * environments
 
     def actor(self) -> tuple[Tensor, Tensor]:
-        """The window and the actor's step; the features and the targets of its values."""
+        """The window and the actor's step; return the features and the targets of values."""
         state, total = self._state.detach(), torch.zeros(())
         weight = torch.ones(len(self._starts))
         seen, rewards, values, ends = [], [], [], []
@@ -152,7 +152,7 @@ class Torch:
 
 
 class Contender(NamedTuple):
-    """Something that takes so many environment steps a call."""
+    """A function, and the number of environment steps of a call."""
 
     name: str
     call: Callable[[], object]
@@ -160,7 +160,7 @@ class Contender(NamedTuple):
 
 
 def best_rates(contenders: Sequence[Contender], rounds: int) -> list[float]:
-    """Steps a second of processor time in each one's best round, the first left out."""
+    """Steps per second of processor time in the best round of each, without the first round."""
     best = [float("inf")] * len(contenders)
     for contender in contenders:
         contender.call()
@@ -173,7 +173,7 @@ def best_rates(contenders: Sequence[Contender], rounds: int) -> list[float]:
 
 
 def compare(task: str, rounds: int) -> None:
-    """Print what all reach on one task."""
+    """Print the rates of all contenders on one task."""
     alone, cohort = Ours(task, 1), Ours(task, 16)
     batched, single = Torch(task, CONFIG.environments), Torch(task, 1)
     tables = {

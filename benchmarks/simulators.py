@@ -1,11 +1,11 @@
-"""Simulators: steps and Jacobians a second of one pendulum in four forms, and of MuJoCo's models.
+"""Simulators: steps and Jacobians per second of one pendulum in four forms, and of MuJoCo models.
 
-The pendulum is the project's own task (compiled), and the same mass, length and torque as torch
-functions, JAX functions and a MuJoCo model. Of MuJoCo's ready-made tasks, `step` stands beside
-`mujoco.rollout` of as many steps of the model from the same states, on this one thread: what is
-lost is what the task does beside MuJoCo's steps. All take turns, and the best round of each counts.
-At last the learners train on the forms: timesteps of a seed over the seconds that its measurements
-have, of eight seeds at once.
+The pendulum is the project's own task (compiled), and one of the same mass, length and torque as
+torch functions, JAX functions and a MuJoCo model. For MuJoCo's ready-made tasks, `step` is compared
+with `mujoco.rollout` of as many steps of the model from the same states, on one thread: the
+difference is the task's work beyond MuJoCo's steps. All take turns, and the best round of each
+counts. Finally the learners train on the forms, eight seeds at once; the rate is the timesteps of a
+seed over the seconds in its measurements.
 """
 
 import argparse
@@ -44,7 +44,7 @@ MODEL = """
 
 
 def _reward(state: Any, action: Any, next_state: Any) -> Any:
-    """The pendulum's, but for the wrapped angle."""
+    """The pendulum's reward, except for the wrapped angle."""
     del next_state
     return -(state[0] ** 2 + 0.1 * state[1] ** 2 + 0.001 * (2.0 * action[0]) ** 2)
 
@@ -57,7 +57,7 @@ def _dynamics(library: Any, state: Any, action: Any) -> Any:
 
 
 class _Pendulum:
-    """What the forms share."""
+    """The shared part of the forms."""
 
     version = 1
     state_size = 2
@@ -74,7 +74,7 @@ class _Pendulum:
 
 
 class InTorch(_Pendulum, TorchEnvironment):
-    """As torch functions."""
+    """The pendulum as torch functions."""
 
     name = "torch"
 
@@ -87,7 +87,7 @@ class InTorch(_Pendulum, TorchEnvironment):
 
 
 class InJax(_Pendulum, JaxEnvironment):
-    """As JAX functions."""
+    """The pendulum as JAX functions."""
 
     name = "JAX"
 
@@ -99,7 +99,7 @@ class InJax(_Pendulum, JaxEnvironment):
 
 
 class InMujoco(TorchMujocoTask):
-    """As a model, with the reward in torch."""
+    """The pendulum as a model, with the reward in torch."""
 
     name = "MuJoCo"
     version = 1
@@ -118,7 +118,7 @@ def both(environment: Environment, batch: int) -> list[Contender]:
 
 
 def trained(algorithm: str, environment: Environment) -> float:
-    """Timesteps a second of one seed among eight."""
+    """Timesteps per second of one seed among eight."""
     last = {
         each.seed: each
         for each in algorithms.train(algorithm, environment, range(8), timesteps=TRAINED)
@@ -127,7 +127,7 @@ def trained(algorithm: str, environment: Environment) -> float:
 
 
 def rollout(task: MujocoTask, batch: int) -> Callable[[], None]:
-    """MuJoCo's own batched steps, as `our_step` calls ours: from the state it was led to."""
+    """MuJoCo's own batched steps, called like ours in `our_step`: each from the last state."""
     model, data = task.model, mujoco.MjData(task.model)
     # Never closed: it has no threads.
     pool = Rollout(nthread=0)

@@ -1,9 +1,9 @@
-"""The store: submitting, claiming and taking in measurements, on SQLite and on PostgreSQL.
+"""The store: submitting, claiming and recording measurements, on SQLite and on PostgreSQL.
 
-Everything is durable before it counts (`synchronous=FULL`, `fsync=on`). Taking in measurements is
-compared with the least that any store would have to do: the driver's own `executemany` of the same
-rows into a bare table, committed as often, in the same database and the same run. The best of
-several rounds counts.
+Everything is durable before it counts (`synchronous=FULL`, `fsync=on`). Recording measurements is
+compared with the minimum work of any store: the driver's own `executemany` of the same rows into a
+bare table, committed as often, in the same database and the same run. The best of several rounds
+counts.
 
     python -m benchmarks.store [sqlite] [postgresql]
 """
@@ -35,7 +35,7 @@ DIAGNOSTICS = ("critic_loss", "actor_loss", "action_gradient_cosine", "state_gra
 
 
 def main() -> None:
-    """Print every figure of the databases that are asked for."""
+    """Print every figure of the databases named on the command line."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("databases", nargs="*", default=DATABASES, metavar="|".join(DATABASES))
     asked = parser.parse_args().databases
@@ -48,7 +48,7 @@ def main() -> None:
 
 
 def measure(name: str, url: str) -> None:
-    """Measure one database, empty at first."""
+    """Measure one database, initially empty."""
     store = Store.open(url)
     report(f"{name}, submitting 10,000 runs", submit_seconds(store, 10_000), "s")
     report(f"{name}, claim with 10,000 runs queued", claim_milliseconds(store), "ms")
@@ -64,7 +64,7 @@ def measure(name: str, url: str) -> None:
 
 
 def submit_seconds(store: Store, runs: int) -> float:
-    """How long it takes until a sweep of so many runs is durable."""
+    """The seconds until a sweep of `runs` runs is durable."""
     cells = runs // COHORT_LIMIT
     specs = [
         RunSpec("ddpg", "Pendulum", seed, Weights(float(cell)))
@@ -93,7 +93,7 @@ def claimed(store: Store) -> Claim:
 
 
 def messages(seeds: Sequence[int]) -> list[Progress]:
-    """What a cohort says in a while: measurements of all seeds, some at once."""
+    """The messages of a cohort: measurements of all seeds, several per message."""
     return [
         Progress(
             800 * POINTS * (message + 1),
@@ -115,7 +115,7 @@ def point(seed: int, timestep: int) -> Measurement:
 
 
 def ingest_rate(store: Store) -> float:
-    """Measurements a second that `record` makes durable, one message after the other."""
+    """Measurements per second that `record` makes durable, one message after the other."""
     claim = claimed(store)
     taken = messages([run.spec.seed for run in claim.runs])
     begun = time.perf_counter()
@@ -125,7 +125,7 @@ def ingest_rate(store: Store) -> float:
 
 
 def plain_rate(url: str, place: int) -> float:
-    """The same rows, by the driver alone, into a table without anything but its key."""
+    """The same rows, by the driver alone, into a table with only a key."""
     engine = connect(url, "writer")
     mark = "?" if engine.dialect.paramstyle == "qmark" else "%s"
     binary = "BLOB" if engine.dialect.name == "sqlite" else "BYTEA"

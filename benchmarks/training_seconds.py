@@ -1,8 +1,8 @@
-"""Training seconds: is what a run says it cost the same, whatever shares the machine?
+"""Training seconds: tests whether a run's reported cost depends on other load on the machine.
 
-The same run is trained over and over, each time in a process of its own that loads its kernels
-anew: on a quiet machine, and beside a process that keeps another core, its caches and memory busy.
-Quiet rounds and busy ones take turns, so that the machine's drift is the same in both.
+The same run is trained repeatedly, each time in a new process that loads its kernels: on a quiet
+machine, and beside a process that keeps another core, its caches and memory busy. Quiet and busy
+rounds take turns, so that the machine's drift is the same in both.
 
     python -m benchmarks.training_seconds [ROUNDS]
 """
@@ -17,7 +17,7 @@ from contextlib import contextmanager
 ROUNDS = 7
 RUNS = (("hybrid-ddpg", "Pendulum", 12_000), ("sac", "CartPole", 6_000), ("gd", "Pendulum", 40_000))
 BOUND_SECONDS = 120
-"""Longer than a round: no neighbour outlives its benchmark by more."""
+"""Seconds, longer than a round: a neighbour outlives its benchmark by no more than this."""
 
 TRAINING = """
 import json, sys, algorithms
@@ -39,10 +39,10 @@ with threadpool_limits(1):
 
 
 def main() -> None:
-    """Print the seconds of each run, how far they spread, and what the neighbour adds."""
+    """Print the seconds of each run, their spread, and the increase by the neighbour."""
     rounds = int(sys.argv[1]) if len(sys.argv) > 1 else ROUNDS
     for name, task, timesteps in RUNS:
-        trained(name, task, timesteps)  # compiles the kernels, or finds them compiled
+        trained(name, task, timesteps)  # compiles the kernels, if they are not cached
         quiet, busy = [], []
         for _ in range(rounds):
             quiet.append(trained(name, task, timesteps))
@@ -63,7 +63,7 @@ def tell(run: str, quiet: list[tuple[float, float]], busy: list[tuple[float, flo
 
 
 def farthest(values: list[float], centre: float) -> float:
-    """The largest distance from the centre, as a share of it."""
+    """The largest distance from the centre, relative to it."""
     return max(abs(value / centre - 1) for value in values)
 
 
@@ -77,7 +77,7 @@ def trained(name: str, task: str, timesteps: int) -> tuple[float, float]:
 
 @contextmanager
 def busy_core() -> Iterator[None]:
-    """A neighbour that computes while inside; it ends by itself if this process is killed."""
+    """Run a neighbour that computes in this context; it ends if this process is killed."""
     command = [sys.executable, "-c", NEIGHBOUR, str(BOUND_SECONDS)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as neighbour:  # noqa: S603
         assert neighbour.stdout is not None

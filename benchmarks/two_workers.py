@@ -1,9 +1,9 @@
-"""Two workers: what a second one adds, against the ideal of twice as much.
+"""Two workers: the speed of two workers over that of one; the ideal is 2.
 
-16 seeds of hybrid-ddpg on Pendulum by `workers/training/execute.py`, in one process alone and then
-in two at once, each on one thread, with warm kernels. What counts is updates of all seeds together
-a second, by the clock on the wall, from the first news of measurements to the last: loading and
-compiling are not in it.
+16 seeds of hybrid-ddpg on Pendulum are trained by `workers/training/execute.py`, in one process
+alone and then in two at once, each on one thread, with warm kernels. The rate is that of updates of
+all seeds together per second of wall time, from the first report of measurements to the last:
+loading and compiling are not included.
 
     python -m benchmarks.two_workers [TIMESTEPS]
 """
@@ -25,13 +25,13 @@ ROUNDS = 3
 NEWS_SECONDS = 0.05
 WEIGHTS = Weights(0.1, 0.1)
 
-_start: Barrier | None = None  # of a process
+_start: Barrier | None = None  # one per process
 
 
 def main() -> None:
     """Print the best rate of one worker and of two, and their ratio."""
     timesteps = int(sys.argv[1]) if len(sys.argv) > 1 else TIMESTEPS
-    together(1, 1600)  # compiles the kernels, or finds them compiled
+    together(1, 1600)  # compiles the kernels, if they are not cached
     one = max(together(1, timesteps) for _ in range(ROUNDS))
     two = max(together(2, timesteps) for _ in range(ROUNDS))
     report("one worker", one, "seed-updates/s")
@@ -40,7 +40,7 @@ def main() -> None:
 
 
 def together(workers: int, timesteps: int) -> float:
-    """Seed-updates a second of so many processes at once, all told."""
+    """Seed-updates per second of `workers` processes at once, in total."""
     context = multiprocessing.get_context("spawn")  # forked, they would share the BLAS's threads
     start = context.Barrier(workers)
     with ProcessPoolExecutor(workers, context, initializer=keep, initargs=(start,)) as processes:
@@ -48,13 +48,13 @@ def together(workers: int, timesteps: int) -> float:
 
 
 def keep(start: Barrier) -> None:
-    """Keep what all begin at."""
+    """Store the barrier at which all processes start."""
     global _start  # noqa: PLW0603  (a barrier cannot be an argument of a task)
     _start = start
 
 
 def train(timesteps: int) -> float:
-    """Train a cohort, beginning with the others; return its seed-updates a second."""
+    """Train a cohort, starting with the others; return its seed-updates per second."""
     specs = [
         RunSpec("hybrid-ddpg", "Pendulum", seed, WEIGHTS, timesteps) for seed in range(COHORT_LIMIT)
     ]
@@ -71,7 +71,7 @@ def train(timesteps: int) -> float:
 
 
 def abandoned() -> None:
-    """Never: `list` takes what is told at once."""
+    """Raise an error: nobody abandons the runs, since every message is accepted at once."""
     raise AssertionError("nobody listened")
 
 

@@ -2,7 +2,7 @@
 
 `as_task`, `make`, `names`, `compile_kernels`, `spec_of`, `torch_step` and `mujoco`, which makes
 tasks of MuJoCo's models, are loaded on first use (PEP 562), so that `import physics` loads neither
-torch nor numba. The tasks are registered with Gymnasium when someone imports it, before or after
+torch nor numba. The tasks are registered with Gymnasium when it is imported, before or after
 this package.
 """
 
@@ -42,7 +42,7 @@ def __dir__() -> list[str]:
 
 
 def _register_with_gymnasium() -> None:
-    """Load what knows Gymnasium, and let it register the tasks."""
+    """Register the tasks with Gymnasium."""
     import_module("physics.gym.registration").register()
 
 

@@ -17,7 +17,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m physics", description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True)
     compiling = commands.add_parser("compile", help="compile every kernel, or load it")
-    auditing = commands.add_parser("audit", help="hold every derivative against differences")
+    auditing = commands.add_parser("audit", help="compare every derivative with differences")
     for command in (compiling, auditing):
         command.add_argument(
             "names",
@@ -25,7 +25,7 @@ def main() -> int:
             help="tasks, as names or as my_tasks.py:Arm (default: all but MuJoCo's)",
         )
     auditing.add_argument("--count", type=int, default=COUNT, help="smooth states of each regime")
-    auditing.add_argument("--write", action="store_true", help="keep it as the project's record")
+    auditing.add_argument("--write", action="store_true", help="store it as the project's record")
     arguments = parser.parse_args()
     try:
         tasks = [as_task(name) for name in arguments.names or without_extras()]
@@ -38,13 +38,13 @@ def main() -> int:
 
 
 def without_extras() -> list[str]:
-    """All tasks but those of an extra, of which an audit takes hours."""
+    """All tasks but those that need an extra: an audit of these takes hours."""
     extras = {name for tasks in EXTRAS.values() for name in tasks}
     return [name for name in names() if name not in extras]
 
 
 def compile_all(tasks: list[Environment]) -> None:
-    """Compile task by task, saying so."""
+    """Compile task by task, and print the seconds of each."""
     for task in tasks:
         with compile_notice(task.label):
             seconds = task.compile()
@@ -52,7 +52,7 @@ def compile_all(tasks: list[Environment]) -> None:
 
 
 def audit_all(tasks: list[Environment], count: int, keep: bool) -> int:
-    """Audit task by task; return 1 if a derivative is further off than allowed."""
+    """Audit task by task; return 1 if one of them did not pass."""
     rows: list[RegimeAudit] = []
     remarks: list[str] = []
     for task in tasks:
@@ -75,7 +75,7 @@ def audit_all(tasks: list[Environment], count: int, keep: bool) -> int:
 
 
 def say(line: str) -> None:
-    """Print a line at once: whoever waits wants to see how far it is."""
+    """Print a line and flush it, so that progress is visible."""
     sys.stdout.write(line + "\n")
     sys.stdout.flush()
 

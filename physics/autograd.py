@@ -5,8 +5,8 @@ The gradient of a loss L passes a step backwards, and a tangent (ds, da) forward
     dL/ds = J_s^T g + dL/dr dr/ds        dL/da = J_a^T g + dL/dr dr/da,    g = dL/ds' + dL/dr dr/ds'
     ds'   = J_s ds + J_a da              dr    = dr/ds ds + dr/da da + dr/ds' ds'
 
-The Jacobians are a function of the state and the action in turn: a task of torch functions is
-differentiated as often as asked, a compiled one once.
+The Jacobians are themselves functions of the state and the action: a task of torch functions can be
+differentiated any number of times, a compiled one once.
 """
 
 from collections.abc import Mapping
@@ -47,21 +47,23 @@ def torch_step(
     """Advance states [batch, n] by one step; gradients flow to states and actions.
 
     They also flow to `parameters`, values [] of the task's parameters by name, which replace those
-    of the task. For a compiled task that is the first derivative by reverse mode.
+    of the task. A compiled task supports only the first derivative in them, by reverse mode.
 
-    Noise is that of the places which the states hold, a constant; `process_noise` scales it.
+    The noise is a constant, given by the places in the noise that the states hold; `process_noise`
+    scales it.
 
-    It works in float64, whatever the dtypes: next states and rewards have the dtype of `states`, a
-    gradient that of what it belongs to. `torch.func` can transform it in any grad mode, and
-    functions that `torch.compile` compiles may call it (it is not compiled itself).
+    The step is computed in float64, whatever the dtypes: next states and rewards have the dtype of
+    `states`, and a gradient has the dtype of its tensor. `torch.func` can transform the function in
+    any grad mode, and functions that `torch.compile` compiles may call it (it is not compiled
+    itself).
 
-    Where `reward_is_differentiable` is False, the reward carries no gradient, and asking for one is
-    torch's error.
+    Where `reward_is_differentiable` is False, the reward has no gradient, and torch raises an error
+    if one is computed.
 
     Raises:
         ValueError: for anything but floating-point tensors on the CPU, for unknown parameters and
             values out of their ranges, and as `Environment.step`.
-        RuntimeError: for a second derivative of a task that is no `TorchEnvironment`.
+        RuntimeError: for a second derivative of a task that is not a `TorchEnvironment`.
     """
     for what, tensor in (("states", states), ("actions", actions), *parameters.items()):
         if not tensor.dtype.is_floating_point or tensor.device.type != "cpu":
@@ -70,7 +72,7 @@ def torch_step(
                 f"not {tensor.dtype} on {tensor.device}"
             )
     rows = states.to(torch.float64), actions.to(torch.float64)
-    if len(parameters) > 0:  # a compiler takes any mapping proxy to be true
+    if len(parameters) > 0:  # torch.compile treats any mapping proxy as true
         found = _uncompiled_parametric_step(environment, *rows, parameters)
     elif isinstance(environment, NoisyEnvironment):
         found = _uncompiled_noisy_step(environment, *rows, {})
@@ -95,10 +97,10 @@ def _parametric_step(
     )
     values = {name: value.to(torch.float64) for name, value in parameters.items()}
     if isinstance(environment, NoisyEnvironment) and not isinstance(task, NoisyEnvironment):
-        task = NoisyEnvironment(task, 0.0, 0.0)  # whose states hold their places as before
+        task = NoisyEnvironment(task, 0.0, 0.0)  # its states still hold their places
     if isinstance(task, NoisyEnvironment):
         return _noisy_step(task, states, actions, values)
-    for name in NOISE & values.keys():  # 0, or the task were noisy
+    for name in NOISE & values.keys():  # they are 0, otherwise the task would be noisy
         del values[name]
     if isinstance(task, TorchEnvironment):
         task.check_inside(states.detach().numpy(), actions.detach().numpy())
@@ -116,7 +118,7 @@ def _noisy_step(
     actions: torch.Tensor,
     values: Mapping[str, torch.Tensor],
 ) -> Tensors:
-    """The step of the task without noise, from the states that its noise disturbs."""
+    """The step of the task without noise, from the disturbed states."""
     n = task.task.state_size
     numbers, places = _Noise.of(task, states, actions)
     moved = states[..., :n] + values.get(PROCESS, task.process_noise) * numbers
@@ -127,7 +129,7 @@ def _noisy_step(
     return torch.cat([following, places], dim=-1), reward, terminated
 
 
-# A compiler would trace numpy and numba within.
+# torch.compile would trace into numpy and numba.
 _uncompiled_parametric_step: Any = torch.compiler.disable(_parametric_step)  # type: ignore[no-untyped-call]
 _uncompiled_noisy_step: Any = torch.compiler.disable(_noisy_step)  # type: ignore[no-untyped-call]
 
@@ -156,7 +158,7 @@ class _OfRows(torch.autograd.Function):
         environment: Environment,
         *rows: torch.Tensor,
     ) -> tuple[Tensors, tuple[int, ...]]:
-        """Rows of rows are rows: one call for all."""
+        """Flatten the rows of all batches, so that one call computes them."""
         dims = in_dims[1:]
         first = [
             r.expand(info.batch_size, *r.shape) if dim is None else r.movedim(dim, 0)
@@ -168,7 +170,7 @@ class _OfRows(torch.autograd.Function):
 
 
 class _Noise(_OfRows):
-    """What moves states by a deviation of 1 [batch, n], and the next places [batch, 2]: data."""
+    """Constants: noise of standard deviation 1 [batch, n], and the next places [batch, 2]."""
 
     @staticmethod
     def forward(environment: Environment, states: torch.Tensor, actions: torch.Tensor) -> Tensors:
@@ -234,12 +236,12 @@ class _Step(_OfRows):
             return next_tangent, by_rows + (r_next * next_tangent).sum(-1), None
 
 
-# A compiler would trace numpy and numba within.
+# torch.compile would trace into numpy and numba.
 _uncompiled_step: Any = torch.compiler.disable(_Step.of)  # type: ignore[no-untyped-call]
 
 
 class _ParametricStep(torch.autograd.Function):
-    """The transition of a compiled task as a function of its parameters [k], too."""
+    """The transition of a compiled task, also as a function of its parameters [k]."""
 
     @staticmethod
     def forward(
@@ -294,16 +296,16 @@ class _Derivatives(_OfRows):
         task = _twice_differentiable(context.environment)
         with gradients_enabled(), _forward_mode_enabled():
             rows, (ds, da) = _primals_and_tangents(context, tangents)
-            # By reverse mode: torch.func.jvp inside of a jvp was wrong for batched tangents.
+            # By reverse mode: torch.func.jvp inside a jvp was wrong for batched tangents.
             slopes = vmap(jacrev(task.derivatives_of_row, argnums=(0, 1)))(*rows)
             along = "b...i,bi->b..."
             return tuple(torch.einsum(along, s, ds) + torch.einsum(along, a, da) for s, a in slopes)
 
 
 def _forward_mode_enabled() -> AbstractContextManager[None]:
-    """Inside a `jvp`, torch drops the tangents of outer levels: nested ones would be 0.
+    """Enable forward mode inside a `jvp`, where torch drops the tangents of outer levels.
 
-    There is no public name for it.
+    Without it, nested tangents would be 0. torch has no public name for it.
     """
     return forward_ad._set_fwd_grad_enabled(True)
 
@@ -311,7 +313,7 @@ def _forward_mode_enabled() -> AbstractContextManager[None]:
 def _primals_and_tangents(
     context: Any, tangents: tuple[torch.Tensor | None, ...]
 ) -> tuple[Tensors, Tensors]:
-    """The saved rows without the tangents of this level, and those, 0 where there are none."""
+    """The saved rows without the tangents of this level, and these tangents, 0 where None."""
     unpack: Any = forward_ad.unpack_dual
     primals = tuple(unpack(row).primal for row in context.saved_tensors)
     full = (

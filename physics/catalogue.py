@@ -1,9 +1,9 @@
 """Catalogue: the tasks by name.
 
 An installed package adds a task of its own through the entry-point group `d3pg.environments`, with
-the task's name and `module:Class`. The project's own are written the same way, and loaded when
-made: listing names loads no simulator. Those that need a package which is an extra are listed where
-it is installed.
+the task's name and `module:Class`. The project's own tasks are declared the same way, and loaded
+when they are made: listing names loads no simulator. Tasks that need the package of an extra are
+listed where it is installed.
 
 A task without an entry point is named by its file, `my_tasks.py:Arm`, or given as an object.
 """
@@ -73,7 +73,7 @@ def make(name: str, /, **parameters: float) -> "Environment":
         parameters: values of the task's physical parameters; all others have their defaults.
 
     Raises:
-        ValueError: for an unknown name, naming the nearest known one; for an installed task that
+        ValueError: for an unknown name, with the nearest known one; for an installed task that
             cannot be made, with all its mistakes, or whose name differs from its entry point's;
             for a file that cannot be loaded, with the line; for an unknown parameter, and a value
             out of its range.
@@ -116,7 +116,7 @@ def _installed(name: str) -> "Environment":
         ) from error
     if getattr(environment, "name", None) != name:
         raise ValueError(
-            f"entry point {name!r} makes {environment!r}, which is no task of its name"
+            f"entry point {name!r} makes {environment!r}, which is not a task of that name"
         )
     return environment
 
@@ -135,7 +135,7 @@ def compile_kernels(names: Iterable[str]) -> Iterator[tuple[str, float]]:
 
 
 def _entry(name: str) -> EntryPoint:
-    """Where the task of that name is."""
+    """The entry point of the task of that name."""
     for ours in (OWN, *EXTRAS.values()):
         if name in ours:
             return EntryPoint(name, ours[name], GROUP)
@@ -146,7 +146,7 @@ def _entry(name: str) -> EntryPoint:
 
 
 def unknown_task(name: str, known: Sequence[str]) -> str:
-    """The sentence for a name that is none of the known tasks."""
+    """The error message for a name that is not a known task."""
     folded = {each.casefold(): each for each in known}
     near = get_close_matches(str(name).casefold(), folded, n=1, cutoff=0.5)
     hint = f"; did you mean {folded[near[0]]!r}?" if near else ""

@@ -1,7 +1,8 @@
 """Domain: which states a step may begin with, and the errors for rows that it may not.
 
-A state lies in the domain if all its numbers are finite and between the task's bounds, rounding
-aside: a float32 may have held it. A task whose domain has another shape adds to this.
+A state lies in the domain if all its numbers are finite and between the task's bounds, except for
+rounding: the state may have been stored as float32. A task whose domain has another shape adds to
+this.
 """
 
 from collections.abc import Mapping, Sequence
@@ -66,7 +67,7 @@ class Domain:
         """
         self._task = task
         self._bounds = dict(bounds)
-        # No bound is the greatest number there is: so NaN and infinity lie outside too.
+        # Without a bound, the limit is the greatest number: NaN and infinity lie outside it.
         self._highest = np.full(size, np.finfo(np.float64).max)
         self._lowest = -self._highest
         for i, (least, greatest) in bounds.items():
@@ -80,7 +81,7 @@ class Domain:
         return ~inside
 
     def check(self, states: FloatArray, actions: FloatArray) -> None:
-        """Nothing, if all states [batch, n] lie within the bounds and all actions are finite.
+        """Check that all states [batch, n] lie within the bounds and that all actions are finite.
 
         Raises:
             NotFiniteError: for NaN and infinity.
@@ -103,7 +104,7 @@ class Domain:
     def error(
         self, states: FloatArray, outside: NDArray[np.bool_], description: str
     ) -> DomainError:
-        """The error for states of which some lie outside a domain of this description."""
+        """The error for states, some of which lie outside a domain; `description` describes it."""
         row = int(np.argmax(outside))
         return DomainError(
             f"{self._task}: row {row} lies outside the domain, {description}: "

@@ -2,7 +2,7 @@
 
 A task draws a state with two shapes, in metres, y up, painted in order:
 
-    Capsule   all points within `radius` of the segment from `start` to `end`; a disc if they agree
+    Capsule   all points within `radius` of the segment from `start` to `end`; if equal, a disc
     Polygon   the inside of a closed line
 
 Colours are roles, so that a viewer can have its own palette. `rgb_array` paints by signed distance:
@@ -74,8 +74,8 @@ class Drawing:
     def rgb_array(self, width: int = 480) -> NDArray[np.uint8]:
         """The drawing as an image [height, width, 3], of the view's proportions.
 
-        The height is even, and so should the width be: video codecs ask for it. Frames of a view
-        that moves along have one height, though the view's size is its size to rounding only.
+        The height is even, and the width should be even too: video codecs require it. All frames of
+        a moving view have the same height, although the view's size is constant only to rounding.
         """
         left, bottom, right, top = self.view
         pixel = (right - left) / width
@@ -120,7 +120,7 @@ def _distance(
     for start, end in zip(shape.points, shape.points[1:] + shape.points[:1], strict=True):
         nearest = np.minimum(nearest, _segment_distance(start, end, x, y))
         if start[1] != end[1]:
-            # Even-odd rule: a ray to the right crosses this edge or not.
+            # Even-odd rule: whether a ray to the right crosses this edge.
             crossing = start[0] + (y - start[1]) / (end[1] - start[1]) * (end[0] - start[0])
             inside ^= ((start[1] > y) != (end[1] > y)) & (x < crossing)
     return np.where(inside, -nearest, nearest)

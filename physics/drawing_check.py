@@ -1,6 +1,6 @@
 """Drawing check: whether a task of functions draws its start state.
 
-A task that nobody looks at may raise NotImplementedError.
+A task without a drawing may raise NotImplementedError.
 """
 
 from typing import TYPE_CHECKING
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def drawing_mistakes(task: "Environment", state: NDArray[np.float64]) -> list[str]:
-    """What is wrong with how a task draws a state [n]."""
+    """The mistakes in how a task draws a state [n]."""
     expected = "must return a physics.drawing.Drawing"
     try:
         found = task.draw(state)

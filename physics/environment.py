@@ -1,17 +1,17 @@
-"""Environment: the contract every task keeps.
+"""Environment: the interface of every task.
 
-One transition is a pure function of state and action, worked for a whole batch at once:
+One transition is a pure function of state and action, computed for a whole batch at once:
 
     s' = f(s, clip(a, -1, 1)),    r = r(s, clip(a, -1, 1), s'),    terminated = whether s' ends it
 
 with the exact derivatives on request. Every row is computed by itself: its bits do not depend on
-the other rows. A task is a subclass that declares its sizes and constants, brings two kernels, a
-start state, its regimes and its drawing.
+the other rows. A task is a subclass that declares its sizes, constants and regimes, and defines two
+kernels, a start state and a drawing.
 
 Derivatives at bounds. Outside the box `[-1, 1]` an action's derivative is 0. At `|a| = 1` exactly
-it is the interior one: a tanh policy reaches 1.0 in floating point, and must still be able to learn
-its way back. The same rule holds for every other clip: at the bound itself, the interior
-derivative. The derivative of a wrapped angle is 1.
+it is the interior derivative: a tanh policy reaches 1.0 in floating point, and must still be able
+to learn to leave the bound. Every other clip follows the same rule: at the bound itself, its
+derivative is the interior one. The derivative of a wrapped angle is 1.
 
 Glossary:
     s, s'   state and next state, float64 [batch, n], in intrinsic coordinates (never features)
@@ -31,7 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physics.domain import Domain
-from physics.domain import DomainError as DomainError  # noqa: PLC0414 - of this contract
+from physics.domain import DomainError as DomainError  # noqa: PLC0414 - part of this interface
 from physics.domain import NotFiniteError as NotFiniteError  # noqa: PLC0414
 from physics.drawing import Drawing
 from physics.exploration import explore
@@ -64,7 +64,7 @@ class Transition(NamedTuple):
     reward: FloatArray
     """[batch]"""
     terminated: BoolArray
-    """[batch]; a time limit is no termination."""
+    """[batch]; a time limit does not count as termination."""
 
 
 class Linearization(NamedTuple):
@@ -113,9 +113,9 @@ class Environment(metaclass=CheckedWhenMade):
     """
 
     name: ClassVar[str]
-    """As users write it, and as its entry point is named."""
+    """The name that users write, and that its entry point has."""
     version: ClassVar[int]
-    """Raised whenever the task's numbers change; stored results carry it."""
+    """To be raised whenever the task's numbers change; stored with results."""
     state_size: ClassVar[int]
     """n, the coordinates of a state."""
     action_size: ClassVar[int]
@@ -135,17 +135,18 @@ class Environment(metaclass=CheckedWhenMade):
     clipped: ClassVar[Mapping[int, float]] = MappingProxyType({})
     """Coordinate -> limit: the network sees it clipped to `[-limit, limit]`. The step does not."""
     feature_order: ClassVar[tuple[int, ...]] = ()
-    """The features in this order, each by its place in that of the coordinates; empty: in that."""
+    """The order of the features, each by its index in the order of the coordinates; empty for the
+    order of the coordinates."""
     bounds: ClassVar[Mapping[int, tuple[float, float]]] = MappingProxyType({})
     """Coordinate -> its least and greatest value: no step starts or ends beyond them."""
     noise_factors: ClassVar[Mapping[int, float]] = MappingProxyType({})
-    """Coordinate -> how much of the process noise moves it, 1 by default; 0 for constants, and for
-    places in which no step may start after any move, such as at a contact."""
+    """Coordinate -> factor of its process noise, 1 by default; 0 for constants, and for coordinates
+    that must not move before a step, such as those at a contact."""
     rounding: ClassVar[float] = 1e-15
-    """How far rounding moves the numbers of a step: no difference says more than this over its
+    """How far rounding moves the numbers of a step: a difference is uncertain by this over its
     width. The default is for numbers of order 1 to 10 that nothing amplifies."""
     tolerance: ClassVar[float] = 1e-6
-    """How far off the gradient audit lets derivatives be; more for those made by differences."""
+    """The largest error that the gradient audit accepts; larger for derivatives by differences."""
     regimes: ClassVar[tuple[str, ...]] = ("free", "clipped")
     """The kinds of step that the gradient audit reports separately."""
 
@@ -158,7 +159,7 @@ class Environment(metaclass=CheckedWhenMade):
     """`(s, a, *derivatives)` fills ParameterDerivatives, which are 0 before; None: differences."""
 
     changed: Mapping[str, Any] = MappingProxyType({})
-    """The parameters that have other values than their defaults or were given them, by name."""
+    """The values of the parameters that were given, by name; they may equal the defaults."""
 
     def with_parameters(self, **values: float) -> Self:
         """The same task with these values of its parameters; the others stay as they are.
@@ -167,28 +168,28 @@ class Environment(metaclass=CheckedWhenMade):
         0, the task is a `NoisyEnvironment`, and its state has two more coordinates.
 
         Raises:
-            ValueError: for every name that is no parameter and every value out of its range.
+            ValueError: for every name that is not a parameter and every value out of its range.
         """
         known = [*declared(type(self)).values(), *PARAMETERS]
         task = self._changed(checked(self.name, known, values))
         if not is_noisy(task.changed):
             return task
         noisy: Any = NoisyEnvironment(task, task.process_noise, task.observation_noise)
-        with_noise: Self = noisy  # of no other type for whoever only gives physical parameters
+        with_noise: Self = noisy  # the same type, for callers that give no noise
         return with_noise
 
     def without_noise(self) -> "Environment":
-        """The task on the same states, without noise: what is expected of it, to plan with."""
+        """The task on the same states, without noise; planners use it."""
         return self
 
     @property
     def process_noise(self) -> float:
-        """The standard deviation of what moves a state before a step."""
+        """The standard deviation of the noise that moves a state before a step."""
         return float(self.changed.get(PROCESS, 0.0))
 
     @property
     def observation_noise(self) -> float:
-        """The standard deviation of coordinates as they are observed."""
+        """The standard deviation of the noise in the observed coordinates."""
         return float(self.changed.get(OBSERVATION, 0.0))
 
     @property
@@ -208,7 +209,7 @@ class Environment(metaclass=CheckedWhenMade):
         return other
 
     def __getstate__(self) -> dict[str, Any]:
-        """What a copy takes over: all but what follows from the rest when it is first asked for."""
+        """The attributes that a copy takes over: all but the cached properties."""
         return {
             name: value
             for name, value in vars(self).items()
@@ -222,7 +223,7 @@ class Environment(metaclass=CheckedWhenMade):
 
     @cached_property
     def feature_map(self) -> FeatureMap:
-        """How features follow from states."""
+        """The map from states to features."""
         return FeatureMap(
             self.state_size, self.angles, self.hidden, self.clipped, self.feature_order
         )
@@ -248,7 +249,7 @@ class Environment(metaclass=CheckedWhenMade):
             NotFiniteError: for NaN and infinity in states and actions, or in the step's results.
             UnsolvedStepError: when a row's equations have no solution within the solver's bounds.
         """
-        # Written out: at small batches, a call more and a tuple unpacked are a tenth of a step.
+        # Written out: for small batches, one more call and an unpacked tuple are a tenth of a step.
         states, actions = self._checked(states, actions)
         batch = len(states)
         next_state, reward = np.empty((batch, self.state_size)), np.empty(batch)
@@ -290,9 +291,9 @@ class Environment(metaclass=CheckedWhenMade):
     def differentiate_parameters(
         self, states: FloatArray, actions: FloatArray
     ) -> ParameterDerivatives:
-        """The derivatives of one step in the parameters; for `torch_step`.
+        """The derivatives of one step in the parameters; `torch_step` uses them.
 
-        By differences where the task has no `parameter_kernel` (parameter_differences.py).
+        They are differences where the task has no `parameter_kernel` (parameter_differences.py).
 
         Raises:
             ValueError, DomainError, NotFiniteError, UnsolvedStepError: as `step`.
@@ -340,7 +341,7 @@ class Environment(metaclass=CheckedWhenMade):
         self._domain.check(states, actions)
 
     def remarks(self, states: FloatArray, actions: FloatArray) -> list[str]:
-        """What else the audit should say of the task, of a sample of states and actions."""
+        """Further notes for the audit of the task, from a sample of states and actions."""
         del states, actions
         return []
 
@@ -349,7 +350,7 @@ class Environment(metaclass=CheckedWhenMade):
         return []
 
     def features(self, states: Array) -> Array:
-        """What a network sees [batch, F] of states [batch, n], numpy or torch (differentiable)."""
+        """The features [batch, F] of states [batch, n], numpy or torch (differentiable)."""
         return self.feature_map.features(states)
 
     def feature_slopes(self, features: Array) -> Array:
@@ -378,13 +379,13 @@ class Environment(metaclass=CheckedWhenMade):
     def sample(self, generator: np.random.Generator, count: int) -> tuple[FloatArray, FloatArray]:
         """States [count, n] and actions [count, m] that reach every regime, for the audit.
 
-        By default, states that random, bang-bang and constant actions reach, with a sixth of the
-        actions outside the box.
+        By default, the states are those that random, bang-bang and constant actions reach, and a
+        sixth of the actions lie outside the box.
         """
         return explore(self, generator, count)
 
     def contact_impulses(self, states: FloatArray, actions: FloatArray) -> list[FloatArray]:
-        """The impulses of the contacts during each row's step, to be drawn.
+        """The impulses of the contacts during each row's step, for drawings.
 
         One array [k, 4] a row, `(x, y, px, py)`: the position of a contact in the drawing, in
         metres, and its impulse on the moving body, in N s. By default a task has no contacts.
@@ -396,7 +397,7 @@ class Environment(metaclass=CheckedWhenMade):
         return [np.empty((0, 4)) for _ in states]
 
     def compile(self) -> float:
-        """Compile every kernel, or load it from the cache; return the seconds it took.
+        """Compile every kernel, or load it from the cache; return the seconds that this took.
 
         Without this call, the first `step` and the first `differentiate` do the same.
         """
@@ -416,7 +417,7 @@ class Environment(metaclass=CheckedWhenMade):
     def _not_finite(
         self, states: FloatArray, actions: FloatArray, quantities: Mapping[str, NDArray[Any]]
     ) -> NotFiniteError:
-        """The error for rows of which some quantity [batch, ...] is NaN or infinite."""
+        """The error for the rows in which a quantity [batch, ...] is NaN or infinite."""
         wrong = {name: ~np.isfinite(array) for name, array in quantities.items()}
         by_row = {name: each.reshape(len(each), -1).any(axis=1) for name, each in wrong.items()}
         rows = np.flatnonzero(np.any(list(by_row.values()), axis=0))
@@ -432,18 +433,19 @@ class Environment(metaclass=CheckedWhenMade):
         )
 
     def _checked(self, states: FloatArray, actions: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Both arrays as the kernels were compiled for and may take, or a ValueError."""
+        """Both arrays as the kernels take them, within the domain. Raises ValueError otherwise."""
         states, actions = self._rows(states, actions)
         self.check_inside(states, actions)
         return states, actions
 
     def _rows(self, states: FloatArray, actions: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Both arrays as the kernels were compiled for, or a ValueError."""
+        """Both arrays as the kernels were compiled for. Raises ValueError otherwise."""
         states = float64_rows(states, self.state_size, "states")
         actions = float64_rows(actions, self.action_size, "actions")
         if len(states) != len(actions):
             raise ValueError(
-                f"states and actions must have as many rows, not {len(states)} and {len(actions)}"
+                "states and actions must have the same number of rows, "
+                f"not {len(states)} and {len(actions)}"
             )
         return states, actions
 

@@ -1,9 +1,9 @@
 """Exploration: states of a task that policies of every kind reach.
 
-Rollouts under four kinds of policy, a quarter each: random actions, bang-bang ones at random,
-bang-bang ones held for a while, and constant ones at a bound, as trained policies have. They
-continue beyond the horizon, so that slow limits are reached too, and start again when an episode
-ends.
+The rollouts follow four kinds of policy, a quarter each: random actions, random bang-bang actions,
+bang-bang actions that are held for a while, and constant actions at a bound, as trained policies
+have. They continue beyond the horizon, so that slow limits are reached too, and start again when an
+episode ends.
 """
 
 from typing import TYPE_CHECKING
@@ -21,7 +21,7 @@ HORIZONS = 3
 HOLDS = 10
 """How often in a horizon a held action changes."""
 FARTHEST = 1e4
-"""A rollout farther out than that many times its start begins anew: rounding would hide all."""
+"""A rollout begins again beyond this many times its start: rounding would hide everything else."""
 
 
 def explore(
@@ -30,11 +30,11 @@ def explore(
     count: int,
     horizon: int | None = None,
 ) -> tuple[FloatArray, FloatArray]:
-    """States [count, n] from all over the rollouts, and actions [count, m], a sixth clipped.
+    """States [count, n] drawn from all over the rollouts, and actions [count, m], a sixth clipped.
 
-    The rollouts are three of the task's horizons long, or of the one given.
+    The rollouts are three horizons long; the horizon is the task's unless given.
 
-    A state whose step leaves the numbers is a state like others: it is for the caller to notice.
+    A state whose step is not finite is returned like the others: the caller must handle it.
     """
     horizon = horizon or environment.horizon
     steps, shape = HORIZONS * horizon, (ROLLOUTS, environment.action_size)
@@ -42,7 +42,7 @@ def explore(
     states = np.stack([environment.initial_state(generator) for _ in range(ROLLOUTS)])
     farthest = FARTHEST * max(1.0, float(np.abs(states).max(initial=0.0)))
     kind = np.arange(ROLLOUTS)[:, None] % 4
-    share = np.array([1.0, 1.0, HOLDS / horizon, 0.0])[kind]  # of steps that change it
+    share = np.array([1.0, 1.0, HOLDS / horizon, 0.0])[kind]  # of steps that change the action
     actions = np.sign(generator.uniform(-1.0, 1.0, shape))
     for step in range(steps):
         visited[step] = states
@@ -62,7 +62,7 @@ def _following(
     actions: FloatArray,
     farthest: float,
 ) -> FloatArray:
-    """The next states, start states where an episode ends, leaves the numbers or goes too far."""
+    """The next states; start states where an episode ends, becomes not finite or goes too far."""
     over = np.zeros(len(states), np.bool_)
     try:
         following, _, over = environment.step(states, actions)

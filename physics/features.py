@@ -59,7 +59,7 @@ class FeatureMap:
             angles: coordinate -> multiplicity k.
             hidden: coordinates that no feature shows.
             clipped: coordinate -> the limit of its feature.
-            order: place of each feature, were they in the order of the coordinates; empty: in it.
+            order: the index of each feature in the order of the coordinates; empty for that order.
         """
         rows: list[tuple[int, int, int, float, float, float]] = []
         for coordinate in range(state_size):
@@ -87,7 +87,7 @@ class FeatureMap:
         """The features [batch, F] of states [batch, n]; torch tensors stay differentiable.
 
         Numpy arrays go through a compiled kernel: numpy's own vectorised cosine may round a number
-        differently at another place of the array, and a row must not feel its neighbours.
+        differently at another place of the array, and a row must not depend on its neighbours.
         """
         if isinstance(states, np.ndarray):
             return cast("Array", self._numpy_features(states))
@@ -98,7 +98,7 @@ class FeatureMap:
         return cast("Array", xp.stack(columns, axis=-1))
 
     def slopes(self, features: Array) -> Array:
-        """The slopes [batch, F]: of each feature, in its own source coordinate."""
+        """The slopes [batch, F] of the features, each in its own source coordinate."""
         if isinstance(features, np.ndarray):
             slopes = features[..., self.partners] * self.factors + self.offsets
             return cast("Array", slopes * (np.abs(features) < self.limits.astype(features.dtype)))

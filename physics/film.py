@@ -1,10 +1,10 @@
 """Film: the drawings of an episode's states as data, small enough to send.
 
-    styles  what shapes look like, each said once: shape, role, radius (of a capsule)
-    frames  a frame per state, its shapes in the order of painting: [style, x, y, x, y, ...]
+    styles  the distinct looks of shapes: shape, role, radius (of a capsule)
+    frames  one per state, its shapes in the order of painting: [style, x, y, x, y, ...]
     views   (left, bottom, right, top) of each frame; a single one where all are the same
 
-In metres, rounded to tenths of a millimetre.
+Coordinates are in metres, rounded to tenths of a millimetre.
 """
 
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ DECIMALS = 4
 
 
 def film(drawings: Sequence[Drawing]) -> dict[str, Any]:
-    """The film of drawings, at least one, for JSON."""
+    """The film of one or more drawings, as data for JSON."""
     styles: dict[tuple[str, str, float], int] = {}
     frames = [
         [

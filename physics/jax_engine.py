@@ -1,7 +1,7 @@
-"""JAX as tasks use it: in float64, on the CPU and one thread; or what to install.
+"""JAX in float64, on the CPU and one thread; if it is missing, an error that says what to install.
 
-A program's own configuration of JAX is left alone. The number of threads is settled when JAX first
-computes: this module must be imported before.
+A program's own configuration of JAX is not changed. JAX fixes the number of threads at its first
+computation: this module must be imported before that.
 """
 
 import os

@@ -1,16 +1,17 @@
 """JaxEnvironment: a task written as JAX functions, its derivatives by `jax.jacfwd`.
 
-The author writes the dynamics and the reward of one state; batches and Jacobians follow, compiled:
+The author writes the dynamics and the reward of one state; batches and Jacobians are compiled from
+them:
 
     s' = dynamics(s, u),    r = reward(s, u, s'),    u = clip(a, -1, 1)
     J_s = d dynamics / ds,  J_a = d dynamics / du where a lies in the box, 0 elsewhere
 
-Forward mode takes loops of unknown length, too, such as the solver in a step of MJX. All is in
-float64 on the CPU and one thread (jax_engine.py).
+Forward mode also supports loops of unknown length, such as the solver in a step of MJX. Everything
+is computed in float64 on the CPU and one thread (jax_engine.py).
 
-XLA may round differently for another batch size. So every call works in blocks of the same rows,
-the last one filled up with copies of its last row: a row's bits then do not depend on its
-neighbours.
+XLA may round differently for another batch size. So every call works in blocks of the same number
+of rows, the last block filled up with copies of its last row: a row's bits then do not depend on
+its neighbours.
 """
 
 import time
@@ -29,13 +30,13 @@ Arrays = tuple[Any, ...]
 
 
 class JaxEnvironment(Environment):
-    """A task whose three functions are JAX's, of one state and one action.
+    """A task with three JAX functions of one state and one action.
 
-    They must be pure, and such as `jax.jit` takes: `jnp.where` or `jax.lax.cond` instead of `if`.
+    They must be pure and accepted by `jax.jit`: `jnp.where` or `jax.lax.cond` instead of `if`.
     """
 
     block: ClassVar[int] = 16
-    """Rows that are computed together, always that many."""
+    """The number of rows in a block."""
 
     @abstractmethod
     def dynamics(self, state: Any, action: Any) -> Any:
@@ -51,7 +52,7 @@ class JaxEnvironment(Environment):
         return jnp.asarray(False)
 
     def function_mistakes(self) -> list[str]:
-        """What is wrong with the task's functions."""
+        """The mistakes in the task's functions."""
         with float64_on_cpu():
             return function_mistakes(self)
 
@@ -81,13 +82,13 @@ class JaxEnvironment(Environment):
 
     @cached_property
     def _transitions(self) -> Callable[..., Arrays]:
-        """The fields of a `Transition`, of rows, compiled."""
+        """A compiled function of rows that returns the fields of a `Transition`."""
         compiled: Callable[..., Arrays] = jax.jit(jax.vmap(self._transition))
         return compiled
 
     @cached_property
     def _derivatives(self) -> Callable[..., Arrays]:
-        """The derivatives of a `Linearization`, of rows, compiled."""
+        """A compiled function of rows that returns the derivatives of a `Linearization`."""
         compiled: Callable[..., Arrays] = jax.jit(jax.vmap(self._derivatives_of_row))
         return compiled
 
@@ -97,7 +98,7 @@ class JaxEnvironment(Environment):
         return following, self.reward(state, action, following), self.terminated(following)
 
     def _derivatives_of_row(self, state: Any, action: Any, following: Any) -> Arrays:
-        """Those of a step that leads to `following`, which is computed already."""
+        """The derivatives of a step that leads to `following`, which is already known."""
         u, within = jnp.clip(action, -1.0, 1.0), jnp.abs(action) <= 1.0
         by_state, by_action = jax.jacfwd(self.dynamics, argnums=(0, 1))(state, u)
         r_state, r_action, r_next = self._reward_gradients(state, u, following)
@@ -117,7 +118,7 @@ def _fill(
     outputs: tuple[FloatArray | BoolArray, ...],
     block: int,
 ) -> None:
-    """Write what a function makes of the rows, block by block, without the copies that fill up."""
+    """Write a function's results for the rows, block by block, without the copied rows."""
     for start in range(0, len(inputs[0]), block):
         picked = np.minimum(np.arange(start, start + block), len(inputs[0]) - 1)
         with float64_on_cpu():

@@ -1,6 +1,7 @@
 """JAX task check: a task's functions, traced as JAX compiles them.
 
-Each must return an array of its shape and dtype. Whether numbers are finite is judged step by step.
+Each must return an array of its shape and dtype. Whether numbers are finite is checked in each
+step.
 """
 
 from collections.abc import Callable
@@ -21,7 +22,7 @@ HOW = (
 
 
 def function_mistakes(task: "JaxEnvironment") -> list[str]:
-    """What is wrong with the functions of a task whose sizes are right."""
+    """The mistakes in the functions of a task whose sizes are right."""
     state, action = np.zeros(task.state_size), np.zeros(task.action_size)
     n = task.state_size
     return [
@@ -49,7 +50,7 @@ def _of_function(
     shape: tuple[int, ...],
     dtype: type[np.generic],
 ) -> list[str]:
-    """What is wrong with a function of one row."""
+    """The mistakes in a function of one row."""
     expected = f"must return an array {list(shape)} of {np.dtype(dtype)}"
     try:
         found = jax.eval_shape(function, *arguments)

@@ -1,13 +1,13 @@
-"""Noise: what disturbs a task's steps, and what is seen of its states; parameters of every task.
+"""Noise: it disturbs a task's steps and observations; its two parameters exist in every task.
 
-    s~ = clip(s + process_noise c eps, bounds)    the state that a step is taken from
-    o  = s + observation_noise eta                the coordinates that features are made of
+    s~ = clip(s + process_noise c eps, bounds)    the state from which a step is taken
+    o  = s + observation_noise eta                the coordinates from which features are computed
 
 with eps and eta normal [n], of mean 0 and standard deviation 1, and c the task's `noise_factors`.
 
 Both are drawn by seed and step. The seed is that of the episode's stream of noise. So a state holds
-its place in the noise, two whole numbers (stream, step): a step is a pure function of state and
-action, with noise as without, and a row's noise does not depend on its neighbours.
+its place in the noise, two whole numbers (stream, step): with noise, too, a step is a pure function
+of state and action, and a row's noise does not depend on its neighbours.
 """
 
 from collections.abc import Mapping
@@ -56,7 +56,7 @@ def is_noisy(values: Mapping[str, float]) -> bool:
 
 
 def first_place(generator: np.random.Generator) -> FloatArray:
-    """Draw where an episode begins [2]: in any stream, at its first step."""
+    """Draw the place in the noise where an episode begins [2]: a stream, at its first step."""
     return np.array([generator.integers(STREAMS), 0], np.float64)
 
 

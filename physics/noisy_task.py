@@ -1,11 +1,11 @@
-"""NoisyTask: a task with noise (noise.py), made of the task without.
+"""NoisyTask: a task with noise (noise.py), made of the task without noise.
 
     s = (the task's coordinates, stream, step)
 
 A step is that of the task from the disturbed state: its reward, its end and its derivatives are
-those there. So nobody has to know of noise: what plays, learns, saves or differentiates a task does
-the same with this one. The two coordinates of the place in the noise are hidden from networks, and
-nothing depends smoothly on them: their rows and columns of the Jacobian are 0.
+those of that state. So code that plays, learns, saves or differentiates a task treats this one
+alike. The two coordinates of the place in the noise are hidden from networks, and nothing depends
+smoothly on them: their rows and columns of the Jacobian are 0.
 """
 
 from typing import TYPE_CHECKING, Any, cast
@@ -50,23 +50,23 @@ TAKEN_OVER = (
 )
 """Constants that noise does not change."""
 SAMPLED = 1_000
-"""An audit's states lie in as many streams, at as many steps."""
+"""The number of streams, and of steps in each, over which an audit's states are spread."""
 
 
 class NoisyTask:
-    """All that a task with noise does otherwise than one without; a base of `NoisyEnvironment`.
+    """The methods of a task that differ with noise; a base of `NoisyEnvironment`.
 
     Attributes:
-        task: without noise; its `changed` has the values of the noise.
+        task: the task without noise; its `changed` has the values of the noise.
     """
 
     def __init__(self, task: "Environment", process: float, observation: float) -> None:
         """Take over the task's constants.
 
         Args:
-            task: without noise.
+            task: the task without noise.
             process: the standard deviation of process noise.
-            observation: that of observation noise.
+            observation: the standard deviation of observation noise.
         """
         n = task.state_size
         self.task = task
@@ -85,17 +85,17 @@ class NoisyTask:
             setattr(self, name, value)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Copy and send what it was made of."""
+        """Copy and pickle only the arguments of its constructor."""
         return type(self), (self.task, *self._deviations)
 
     @property
     def process_noise(self) -> float:
-        """The standard deviation of what moves a state before a step."""
+        """The standard deviation of the noise that moves a state before a step."""
         return self._deviations[0]
 
     @property
     def observation_noise(self) -> float:
-        """The standard deviation of coordinates as they are observed."""
+        """The standard deviation of the noise in the observed coordinates."""
         return self._deviations[1]
 
     @property
@@ -112,7 +112,7 @@ class NoisyTask:
         return cast("Environment", type(self)(self.task, 0.0, 0.0))
 
     def initial_state(self, generator: np.random.Generator) -> FloatArray:
-        """The start of the task, and a stream of noise from its first step on."""
+        """Draw a start state of the task, and a stream of noise at its first step."""
         return np.concatenate([self.task.initial_state(generator), first_place(generator)])
 
     def step_kernel(
@@ -173,7 +173,7 @@ class NoisyTask:
         return found._replace(next_state=np.concatenate([found.next_state, of_places], axis=1))
 
     def features(self, states: Array) -> Array:
-        """What a network sees of states [batch, n + 2], the noise of their places upon them."""
+        """The features of states [batch, n + 2], with the noise of their places added."""
         if states.shape[-1] != self._n + PLACE:
             raise ValueError(
                 f"states must be [batch, {self._n + PLACE}], the last two the place in the noise "
@@ -202,14 +202,14 @@ class NoisyTask:
         self.task.check_inside(self._own(states), actions)
 
     def pieces(self, states: FloatArray, actions: FloatArray) -> "Pieces":
-        """Those of the disturbed states, and which coordinates the noise left at a bound."""
+        """The pieces of the disturbed states, and which coordinates the noise clips to a bound."""
         found = self.task.pieces(self.disturbed(states), actions)
         bounded = sorted(self.task.bounds)
         sides = self.sides(states)[:, bounded]
         return found._replace(piece=np.concatenate([found.piece, sides], axis=1))
 
     def sample(self, generator: np.random.Generator, count: int) -> tuple[FloatArray, FloatArray]:
-        """The task's states, each at a place of its own."""
+        """The task's states, each at its own place in the noise."""
         states, actions = self.task.sample(generator, count)
         places = generator.integers(1, SAMPLED, (len(states), PLACE))
         return np.concatenate([states, places], axis=1), actions
@@ -223,14 +223,14 @@ class NoisyTask:
         return self.task.contact_impulses(self.disturbed(states), actions)
 
     def remarks(self, states: FloatArray, actions: FloatArray) -> list[str]:
-        """Those of the task, and what its derivatives are."""
+        """The remarks of the task, and a note on its derivatives."""
         numbers = (
             f"process noise {self.process_noise:g}, observation noise {self.observation_noise:g}"
         )
         return [
             *self.task.remarks(self.disturbed(states), actions),
-            f"{numbers}: the derivatives compared are those of steps at the noise drawn, which the "
-            "differences hold, too.",
+            f"{numbers}: the derivatives compared are those of steps at the noise drawn; the "
+            "differences use the same noise.",
         ]
 
     def compile(self) -> float:
@@ -242,14 +242,14 @@ class NoisyTask:
         return self.task.failure(self.disturbed(state[None])[0], action)
 
     def disturbed(self, states: FloatArray) -> FloatArray:
-        """The states [batch, n] of the task from which steps from these [batch, n + 2] start."""
+        """The disturbed states [batch, n] of the task, from which steps of [batch, n + 2] start."""
         if not self.process_noise:
             return self._own(states)
         held: FloatArray = np.minimum(np.maximum(self._moved(states), self._lowest), self._highest)
         return held
 
     def sides(self, states: FloatArray) -> NDArray[np.int64]:
-        """-1, 0 or 1 [batch, n]: moved below, within or above its bounds."""
+        """-1, 0 or 1 [batch, n]: whether the noise moves it below, within or above its bounds."""
         if not self.process_noise:
             return np.zeros((len(states), self._n), np.int64)
         moved = self._moved(states)
@@ -257,13 +257,13 @@ class NoisyTask:
         return sides
 
     def process_numbers(self, places: FloatArray) -> FloatArray:
-        """What moves states [batch, n] at these places, of a deviation of 1."""
+        """The process noise [batch, n] of these places, for a deviation of 1."""
         numbers: FloatArray = normal(PROCESS, places, self._n) * self._factors
         return numbers
 
     @property
     def limits(self) -> tuple[FloatArray, FloatArray]:
-        """Between which a state is moved: [n] and [n]."""
+        """The least and greatest values of a disturbed state: [n] and [n]."""
         return self._lowest, self._highest
 
     @property
@@ -276,7 +276,7 @@ class NoisyTask:
         return np.ascontiguousarray(states[:, : self._n])
 
     def _moved(self, states: FloatArray) -> FloatArray:
-        """The states with their noise, before they are held within the bounds."""
+        """The states with their noise, before they are clipped to the bounds."""
         numbers = self.process_numbers(states[:, self._n :])
         moved: FloatArray = states[:, : self._n] + self.process_noise * numbers
         return moved

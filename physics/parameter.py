@@ -23,18 +23,18 @@ _LARGEST_WHOLE = 1e16  # above it, floats are shown by their exponent
 
 @dataclass(eq=False)
 class Parameter:
-    """A physical constant: on an instance its value, on the class this declaration."""
+    """A physical constant: its value on an instance, this declaration on the class."""
 
     default: float
     unit: str
-    """As it is written, such as "kg m^2"; "1" for a number without one."""
+    """The unit as text, such as "kg m^2"; "1" for a number without a unit."""
     least: float
     greatest: float
     meaning: str = ""
     name: str = ""
-    """As the class that declares it calls it."""
+    """The name of the attribute in the class that declares it."""
     of_every_task: bool = False
-    """Whether no task declares it, because all have it."""
+    """Whether every task has it, without declaring it."""
 
     def __set_name__(self, owner: type, name: str) -> None:
         """Take the name of the attribute."""
@@ -49,13 +49,13 @@ class Parameter:
         return self if task is None else task.changed.get(self.name, self.default)
 
     def __set__(self, task: object, value: object) -> None:
-        """Refuse: a task is never changed."""
+        """Raise AttributeError: a task is never changed."""
         raise AttributeError(
             f"a task is never changed: make another with with_parameters({self.name}={value!r})"
         )
 
     def mistake(self, value: Any) -> str | None:
-        """What is wrong with a value; None where nothing is."""
+        """The mistake in a value; None if there is none."""
         is_number = not isinstance(value, bool) and isinstance(value, Real) and isfinite(value)
         if is_number and self.least <= value <= self.greatest:
             return None
@@ -67,10 +67,10 @@ class Parameter:
 
 
 class WithParameters(cached_property[Callable[..., Any]]):
-    """A kernel whose first argument is the values of its task's parameters, float64 [k].
+    """A kernel whose first argument holds the values of its task's parameters, float64 [k].
 
-    They come in the order of their declaration, and are no constants of the compiled code: other
-    values do not compile it again.
+    The values are in the order of declaration. They are not constants of the compiled code, so that
+    other values do not compile it again.
     """
 
     def __init__(self, kernel: Callable[..., Any]) -> None:
@@ -81,7 +81,7 @@ class WithParameters(cached_property[Callable[..., Any]]):
 def declared(cls: type) -> dict[str, Parameter]:
     """The parameters of a class of tasks by name, those of its bases first.
 
-    One that a derived class replaces by a number is a constant there.
+    A parameter that a derived class replaces by a number is a constant there.
     """
     names = (name for base in reversed(cls.__mro__) for name in vars(base))
     found = {name: getattr_static(cls, name) for name in names}
@@ -89,7 +89,7 @@ def declared(cls: type) -> dict[str, Parameter]:
 
 
 def declaration_mistakes(cls: type) -> Iterator[str]:
-    """What is wrong with the parameters that a class of tasks declares."""
+    """The mistakes in the parameters that a class of tasks declares."""
     for name, parameter in declared(cls).items():
         hidden = [base for base in cls.__mro__ if name in vars(base)][-1]
         if not isinstance(vars(hidden)[name], Parameter):
@@ -104,7 +104,7 @@ def checked(
     """The values as floats.
 
     Raises:
-        ValueError: with every name that is no parameter and every value out of its range.
+        ValueError: with every name that is not a parameter and every value out of its range.
     """
     known = {parameter.name: parameter for parameter in parameters}
     mistakes = [
@@ -117,7 +117,7 @@ def checked(
 
 
 def unknown_name(name: str, known: Mapping[str, Parameter]) -> str:
-    """The sentence for a name that is no parameter."""
+    """The error message for a name that is not a parameter."""
     near = get_close_matches(name, known, n=1, cutoff=0.5)
     hint = f"; did you mean {near[0]!r}?" if near else ""
     own = [each for each, parameter in known.items() if not parameter.of_every_task]
@@ -133,7 +133,7 @@ def label(name: str, values: Mapping[str, float]) -> str:
 
 
 def name_of(text: str) -> str:
-    """The name of a task in a label, whatever its values say."""
+    """The name of a task in a label, without its values."""
     return text.partition("(")[0]
 
 
@@ -160,7 +160,7 @@ def parse(text: str) -> tuple[str, dict[str, float]]:
 
 
 def relabelled(text: str) -> str:
-    """A label as `label` writes it; text that is none stays as it is."""
+    """A label in the form that `label` writes; text that is not a label is returned unchanged."""
     try:
         return label(*parse(text))
     except ValueError:
@@ -168,7 +168,7 @@ def relabelled(text: str) -> str:
 
 
 def number_text(value: float) -> str:
-    """A number as a label shows it: equal numbers alike, different ones never."""
+    """A number as a label shows it: two texts are the same if and only if the numbers are equal."""
     value = float(value)
     if value.is_integer() and abs(value) < _LARGEST_WHOLE:
         return str(int(value))

@@ -2,10 +2,10 @@
 
     D(h) = (8 [f(p + h) - f(p - h)] - [f(p + 2h) - f(p - 2h)]) / 12h
 
-of each parameter p, at the widest of some widths h at which all of p +- h and p +- 2h leave the
-step on its smooth piece (`Environment.pieces`), or at the narrowest. Near an end of the parameter's
-range the centre moves inwards by 2h. For steps of a smooth piece this agrees with the derivative
-to some 1e-9.
+for each parameter p, with the largest of several widths h for which all of p +- h and p +- 2h leave
+the step on its smooth piece (`Environment.pieces`), or with the smallest width. Near an end of the
+parameter's range the centre moves inwards by 2h. For steps of a smooth piece this agrees with the
+derivative to about 1e-9.
 """
 
 from collections.abc import Callable
@@ -66,7 +66,7 @@ def _at_width(
     actions: FloatArray,
     h: float,
 ) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """D(h) of these rows [batch, n + 1], and which of them it leaves on their smooth piece."""
+    """D(h) for these rows [batch, n + 1], and which rows stay on their smooth piece."""
     here = task.pieces(states, actions).piece
     slope, is_smooth = np.zeros((len(states), states.shape[1] + 1)), np.ones(len(states), np.bool_)
     for point, weight in zip(_STENCIL, _WEIGHTS, strict=True):

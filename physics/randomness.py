@@ -17,7 +17,7 @@ def generator(seed: int, purpose: str, index: int = 0) -> np.random.Generator:
     Args:
         seed: any integer from 0 on, such as a run's seed.
         purpose: what is drawn, in words ("initial state").
-        index: which one, where a purpose needs many (an episode's number).
+        index: the number of the generator, where a purpose needs many (an episode's number).
 
     Raises:
         ValueError: for a seed or index that is negative or not an integer.

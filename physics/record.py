@@ -1,11 +1,12 @@
-"""Records: the arrays that kernels share, of sizes known when they are compiled, in one block.
+"""Records: the arrays that kernels share, in one block, with sizes known at compile time.
 
-A layout is a class of annotated fields, `q: Annotated[Floats, "n"]` being an array [n]; `dtype`
-turns it into a structured NumPy type once the sizes are known. Kernels pass a record as a single
-pointer (a tuple of thirty arrays is some 300 words a call), and the compiler knows every shape.
+A layout is a class of annotated fields, such as `q: Annotated[Floats, "n"]` for an array [n];
+`dtype` turns it into a structured NumPy type once the sizes are known. Kernels pass a record as a
+single pointer (a tuple of thirty arrays is some 300 words per call), and the compiler knows every
+shape.
 
-A record is an element of an array, and does not keep it alive: a kernel that makes one with
-`storage = np.empty(1, TYPE)` hands `storage[0]` to a function, and never returns it.
+A record is an element of an array, and does not keep the array alive: a kernel that makes one with
+`storage = np.empty(1, TYPE)` passes `storage[0]` to a function, and never returns it.
 """
 
 from typing import Any, get_args, get_origin, get_type_hints
@@ -22,7 +23,7 @@ def dtype(layout: type, **sizes: int) -> np.dtype[np.void]:
     """The structured type of a layout, with the sizes that its shapes name.
 
     A shape may be an expression of sizes ("2 * k"). Fields without a shape are scalars or layouts.
-    Outside kernels, too, fields are attributes: `np.zeros(1, dtype(...))[0].q`.
+    Fields are attributes outside kernels, too: `np.zeros(1, dtype(...))[0].q`.
     """
     hints = get_type_hints(layout, include_extras=True)
     fields = np.dtype([(name, *_field(hint, sizes)) for name, hint in hints.items()], align=True)
@@ -30,7 +31,7 @@ def dtype(layout: type, **sizes: int) -> np.dtype[np.void]:
 
 
 def _field(hint: Any, sizes: dict[str, int]) -> tuple[Any, ...]:
-    """Type and, for an array, shape of a field."""
+    """The type of a field and, for an array, its shape."""
     if get_origin(hint) is None:
         return (hint,) if hint in (int, float) else (dtype(hint, **sizes),)
     array, *shape = get_args(hint)

@@ -13,9 +13,9 @@ FLOAT64 = np.dtype(np.float64)
 
 
 def float64_rows(array: Any, width: int, what: str) -> FloatArray:
-    """`array` as float64 [batch, width], contiguous and writeable as the kernels want it.
+    """`array` as float64 [batch, width], contiguous and writeable, as kernels require.
 
-    The first line is the way of nearly every call: a learner makes one for each step.
+    Nearly every call returns in the first line: a learner calls this for each step.
 
     Raises:
         ValueError: for a wrong type, dtype or shape.
@@ -61,7 +61,7 @@ def are_inside(
 ) -> bool:
     """Whether states [batch, n] lie between two states [n] and all actions are finite.
 
-    Between finite ones, that is: then NaN and infinity lie outside.
+    The two states must be finite: then NaN and infinity lie outside.
     """
     inside = 0
     for row in range(states.shape[0]):
@@ -74,7 +74,7 @@ def are_inside(
 def is_finite(array: FloatArray) -> bool:
     """Whether there is no NaN and no infinity in a contiguous array of any shape.
 
-    Counts instead of stopping at the first: so the compiler works on several numbers at once.
+    It counts instead of stopping at the first, so that the compiler can vectorise it.
     """
     finite, numbers = 0, array.reshape(-1)
     for i in range(numbers.size):

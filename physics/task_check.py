@@ -1,7 +1,7 @@
-"""Task check: what a task declares, held against what every task must; all mistakes at once.
+"""Task check: finds all mistakes in a task's declaration at once.
 
-Every task is checked when it is made, so that a mistake is named here and does not appear as the
-shape of an array in some worker.
+Every task is checked when it is made, so that a mistake is named here and does not appear later as
+a wrong shape in a worker.
 """
 
 import re
@@ -20,20 +20,20 @@ _MISSING = object()
 
 
 class CheckedWhenMade(ABCMeta):
-    """The metaclass of tasks: one that cannot work is refused as it is made."""
+    """The metaclass of tasks: an invalid task is refused when it is made."""
 
     def __call__(cls, *args: Any, **kwargs: Any) -> Any:
         """Make a task.
 
         Raises:
-            ValueError: with all that is wrong with it.
+            ValueError: with all mistakes in it.
         """
         task: Environment = super().__call__(*args, **kwargs)
         mistakes = declaration_mistakes(task)
         if not sizes_are_wrong(task):
             mistakes += task.function_mistakes()
         if mistakes:
-            raise ValueError("\n- ".join([f"{cls.__name__} is no task yet:", *mistakes]))
+            raise ValueError("\n- ".join([f"{cls.__name__} is not a valid task:", *mistakes]))
         return task
 
 
@@ -46,7 +46,7 @@ class Rule(NamedTuple):
 
 
 def is_whole(value: Any, least: int = 1) -> bool:
-    """Whether a value is an integer of at least `least`; True and False are none."""
+    """Whether a value is an integer of at least `least`; True and False are not."""
     return not isinstance(value, bool) and isinstance(value, Integral) and int(value) >= least
 
 
@@ -63,7 +63,7 @@ def are_names(value: Any) -> bool:
 
 
 def is_name(value: Any) -> bool:
-    """Whether a value can stand in an address: a word, or a family's and a member's (`a/b`)."""
+    """Whether a value is valid in an address: a word, or a family and a member (`a/b`)."""
     word = r"[A-Za-z0-9][A-Za-z0-9_.-]*"
     return isinstance(value, str) and re.fullmatch(rf"({word}/)?{word}", value) is not None
 
@@ -101,7 +101,7 @@ RULES = (
 
 
 def sizes_are_wrong(task: "Environment") -> bool:
-    """Whether nothing can be said of the shapes of this task's arrays."""
+    """Whether the sizes are invalid, so that shapes of arrays cannot be checked."""
     return any(not rule.fits(getattr(task, rule.name, _MISSING)) for rule in SIZES)
 
 
@@ -121,7 +121,7 @@ def declaration_mistakes(task: "Environment") -> list[str]:
 
 
 def coordinate_mistakes(task: "Environment") -> Iterator[str]:
-    """What is wrong with the coordinates that the task names."""
+    """The mistakes in the coordinates that the task names."""
     n = task.state_size
     for where in COORDINATES:
         for i in getattr(task, where):
@@ -142,7 +142,7 @@ def coordinate_mistakes(task: "Environment") -> Iterator[str]:
 
 
 def _feature_mistakes(task: "Environment") -> Iterator[str]:
-    """What is wrong with how networks see coordinates."""
+    """The mistakes in the declaration of features."""
     for i, limit in task.clipped.items():
         if not is_number(limit) or limit <= 0:
             yield f"clipped[{i!r}] must be a number above 0, not {limit!r}"

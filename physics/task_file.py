@@ -1,11 +1,11 @@
 """Task files: tasks from one Python file that is not packaged, such as `my_tasks.py:Arm`.
 
-The tasks of a file are the classes of tasks that it defines and the tasks that it makes, under the
-names they are bound to; names that begin with "_" are the file's own. Their version is a number
-made of the file's hash, whatever they declare: a changed file is a new version.
+The tasks of a file are the task classes that it defines and the task instances that it makes, under
+the names they are bound to; names that begin with "_" are private to the file. Their version is a
+number made of the file's hash, whatever they declare: a changed file is a new version.
 
-A task file stands alone: it may import what is installed, but not the files beside it, for its
-text is all that travels to the workers of a service.
+A task file stands alone: it may import installed packages, but not the files beside it, because
+only its text is sent to the workers of a service.
 """
 
 import hashlib
@@ -35,7 +35,7 @@ _REFERENCE = re.compile(r"(?P<path>.+\.py)(?::(?P<task>[\w./-]+))?")
 
 @dataclass(frozen=True)
 class TaskFile:
-    """The text of a file of tasks, and the name that it is shown by."""
+    """The text of a file of tasks, and the name under which it is shown."""
 
     name: str
     source: str
@@ -45,7 +45,7 @@ class TaskFile:
         """Read a file.
 
         Raises:
-            ValueError: where there is none, or it is no text.
+            ValueError: for a file that does not exist or is not text.
         """
         try:
             return cls(path.name, path.read_bytes().decode())
@@ -65,12 +65,12 @@ class TaskFile:
         return int(self.digest[:7], 16) + 1
 
     def reference(self, task: str) -> str:
-        """What `physics.make` takes for a task of it on this machine.
+        """The name by which `physics.make` makes a task of the file on this machine.
 
-        The file is written into this user's cache, below its hash, where it is not yet.
+        The file is written into this user's cache, below its hash, unless it is already there.
 
         Raises:
-            ValueError: where another text lies there.
+            ValueError: if another text is there.
         """
         path = self.put(_cache())
         if (found := TaskFile.read(path).digest) != self.digest:
@@ -81,7 +81,7 @@ class TaskFile:
         return f"{path}:{task}"
 
     def put(self, folder: Path) -> Path:
-        """Write the file into the folder, below its hash, where it is not yet; return its path."""
+        """Write the file into the folder, below its hash, unless it is there; return its path."""
         path = folder / self.digest / self.name
         if not path.exists():
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -93,7 +93,7 @@ class TaskFile:
 
 
 def reference(environment: str, file: TaskFile | None) -> str:
-    """What `physics.make` takes for an environment, which is of a file where there is one.
+    """The name by which `physics.make` makes an environment, which is of `file` unless None.
 
     Raises:
         ValueError: as `TaskFile.reference`.
@@ -102,7 +102,7 @@ def reference(environment: str, file: TaskFile | None) -> str:
 
 
 def _cache() -> Path:
-    """The folder for the files that come with a run; of this process where the user's is shut."""
+    """The user's folder for the files that come with a run; if not writeable, a temporary one."""
     home = Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser()
     folder = home / "d3pg" / "tasks"
     try:
@@ -118,14 +118,14 @@ def _own_folder() -> Path:
 
 
 class Reference(NamedTuple):
-    """A file, and the name of a task in it; no name where the file has but one."""
+    """A file, and the name of a task in it; the name may be empty if the file has only one task."""
 
     path: Path
     task: str
 
     @classmethod
     def parse(cls, text: str) -> "Reference | None":
-        """Read `my_tasks.py:Arm` or `my_tasks.py`; None for what names no file."""
+        """Parse `my_tasks.py:Arm` or `my_tasks.py`; None for text that does not name a file."""
         found = _REFERENCE.fullmatch(text)
         return cls(Path(found["path"]), found["task"] or "") if found else None
 
@@ -134,8 +134,8 @@ def make_task(reference: Reference) -> "Environment":
     """Make the task of a file.
 
     Raises:
-        ValueError: for a file that cannot be loaded, with the line; for a name that is none of its
-            tasks; for a task that cannot be made, with all its mistakes.
+        ValueError: for a file that cannot be loaded, with the line; for a name that is not one of
+            its tasks; for a task that cannot be made, with all its mistakes.
     """
     tasks = load(reference.path)
     return _made(reference.path, _chosen(tasks, reference))
@@ -149,7 +149,7 @@ def make_all(path: Path) -> "list[Environment]":
 def load(path: Path) -> Mapping[str, Any]:
     """The tasks of a file by name: classes, and tasks that the file makes itself.
 
-    The same text at the same place is run once in a process.
+    The same text at the same path is run only once in a process.
 
     Raises:
         ValueError: for a file that raises, with the line, and for one that defines no task.
@@ -174,7 +174,7 @@ def load(path: Path) -> Mapping[str, Any]:
 
 
 def _module(file: TaskFile, path: Path) -> ModuleType:
-    """The module that running the file makes. Raises ValueError for what it raises."""
+    """Run the file and return the module. Raises ValueError for anything that it raises."""
     place = hashlib.sha256(f"{path}\0{file.source}".encode()).hexdigest()[:16]
     name = f"task_file_{path.stem}_{place}"
     if name in sys.modules:
@@ -182,7 +182,7 @@ def _module(file: TaskFile, path: Path) -> ModuleType:
     linecache.checkcache(str(path))
     specification = spec_from_file_location(name, path)
     if specification is None or specification.loader is None:
-        raise ValueError(f"{path} is no Python file")
+        raise ValueError(f"{path} is not a Python file")
     module = module_from_spec(specification)
     sys.modules[name] = module
     try:
@@ -194,7 +194,7 @@ def _module(file: TaskFile, path: Path) -> ModuleType:
 
 
 def _raised(path: Path, error: BaseException) -> str:
-    """What went wrong while the file ran, and where."""
+    """The error that the file raised, with its line."""
     frames = traceback.extract_tb(error.__traceback__)
     lines = [frame.lineno for frame in frames if frame.filename == str(path)]
     line = error.lineno if isinstance(error, SyntaxError) else lines[-1] if lines else None
@@ -211,14 +211,14 @@ def _raised(path: Path, error: BaseException) -> str:
 
 
 def _is_task(value: Any, module: ModuleType) -> bool:
-    """Whether a value of the module is a task of its own: a class that it defines, or a task."""
+    """Whether a value of the module is one of its tasks: a class defined there, or an instance."""
     if isinstance(value, CheckedWhenMade):
         return value.__module__ == module.__name__ and not value.__name__.startswith("_")
     return isinstance(type(value), CheckedWhenMade)
 
 
 def _chosen(tasks: Mapping[str, Any], reference: Reference) -> Any:
-    """The task that the reference names, as it is bound in the file or as it calls itself."""
+    """The task that the reference names, by its variable in the file or by its own name."""
     path, name = reference
     if not name and len(tasks) == 1:
         return next(iter(tasks.values()))

@@ -1,20 +1,20 @@
 """TorchEnvironment: a task written as torch functions, its derivatives by `torch.func`.
 
-The author writes the dynamics and the reward of one state; batches and Jacobians follow:
+The author writes the dynamics and the reward of one state; batches and Jacobians are derived:
 
     s' = dynamics(s, u),    r = reward(s, u, s'),    u = clip(a, -1, 1)
     J_s = d dynamics / ds,  J_a = d dynamics / du where a lies in the box, 0 elsewhere
 
-The functions are traced at the first call (`physics/torch_trace.py`). A call then costs some tenths
-of a millisecond for a small task, where a compiled one costs microseconds: the quick way to a new
-task, not the fast one.
+The functions are traced at the first call (`physics/torch_trace.py`). A call then costs a few
+tenths of a millisecond for a small task, while a compiled task costs microseconds: such a task is
+quick to write, but not fast to run.
 
 torch may choose another kernel, and round differently, for another batch size. So every call works
-in blocks of the same 64 rows, the last one filled up with copies of its last row: a row's bits then
-do not depend on its neighbours.
+in blocks of 64 rows, the last block filled up with copies of its last row: a row's bits then do not
+depend on its neighbours.
 
-`torch.func` returns wrong Jacobians of `torch.linalg` where gradients are disabled around it. So
-every call of an author's function is made with gradients enabled, whatever mode the caller is in.
+`torch.func` returns wrong Jacobians of `torch.linalg` where gradients are disabled. So every call
+of an author's function is made with gradients enabled, whatever the caller's mode.
 """
 
 from abc import abstractmethod
@@ -43,9 +43,9 @@ def gradients_enabled() -> Iterator[None]:
 
 
 class TorchEnvironment(Environment):
-    """A task whose three functions are torch's, of one state and one action.
+    """A task with three torch functions of one state and one action.
 
-    They must be pure, and such as `torch.func.vmap` takes: `torch.where` instead of `if`.
+    They must be pure and accepted by `torch.func.vmap`: `torch.where` instead of `if`.
     """
 
     @abstractmethod
@@ -63,7 +63,7 @@ class TorchEnvironment(Environment):
         return torch.zeros_like(next_state[0], dtype=torch.bool)
 
     def function_mistakes(self) -> list[str]:
-        """What is wrong with the task's functions."""
+        """The mistakes in the task's functions."""
         with gradients_enabled():
             return function_mistakes(self)
 
@@ -95,7 +95,7 @@ class TorchEnvironment(Environment):
         return self._traced(self._linearizations)
 
     def _traced(self, function: Function) -> Function:
-        """The function as it is called for blocks, traced on start states."""
+        """The function for blocks of rows, traced on start states."""
         states = self.initial_states(range(_BLOCK))
         actions = generator(0, "torch trace").uniform(-1.5, 1.5, (_BLOCK, self.action_size))
         with gradients_enabled():
@@ -149,7 +149,7 @@ def _fill(
     actions: FloatArray,
     outputs: tuple[FloatArray | BoolArray, ...],
 ) -> None:
-    """Write what a function makes of the rows, block by block, without the copies that fill up."""
+    """Write a function's results for the rows, block by block, without the copied rows."""
     for start in range(0, len(states), _BLOCK):
         picked = np.minimum(np.arange(start, start + _BLOCK), len(states) - 1)
         with gradients_enabled():

@@ -1,8 +1,8 @@
-"""Torch task check: a task's functions, tried on a few of its own start states.
+"""Torch task check: calls a task's functions on a few of its own start states.
 
 Each must return a tensor of its shape and dtype, for one row and under `vmap`; and its derivatives
-under `vmap` must be those of the rows one by one, for some of torch's operations are differentiated
-wrongly there (`torch.linalg.lu_solve` is). Whether numbers are finite is judged step by step.
+under `vmap` must be those of the rows one by one, because torch differentiates some operations
+wrongly there (such as `torch.linalg.lu_solve`). Whether numbers are finite is checked in each step.
 """
 
 from collections.abc import Callable, Iterator
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from physics.torch_environment import TorchEnvironment
 
 WithOutcome: TypeAlias = Union["TorchEnvironment", "TorchMujocoTask"]
-"""A task whose reward and end are torch's."""
+"""A task whose reward and end are torch functions."""
 
 ROWS = 3
 SAME = 1e-9
@@ -30,7 +30,7 @@ SAME = 1e-9
 
 
 class Trial(NamedTuple):
-    """A function of one row, its arguments for several, and what it must return."""
+    """A function of one row, its arguments for several rows, and what it must return."""
 
     name: str
     function: Callable[..., Any]
@@ -44,7 +44,7 @@ class Trial(NamedTuple):
 
 
 def function_mistakes(task: "TorchEnvironment") -> list[str]:
-    """What is wrong with the functions of a task whose sizes are right."""
+    """The mistakes in the functions of a task whose sizes are right."""
     states, actions, mistakes = _tried(task)
     dynamics = Trial(
         "dynamics", task.dynamics, (states, actions), [task.state_size], torch.float64, True,
@@ -54,13 +54,13 @@ def function_mistakes(task: "TorchEnvironment") -> list[str]:
 
 
 def outcome_mistakes(task: WithOutcome) -> list[str]:
-    """What is wrong with the reward and the end of a task whose sizes are right."""
+    """The mistakes in the reward and the end of a task whose sizes are right."""
     states, actions, mistakes = _tried(task)
     return mistakes + _mistakes(_outcome_trials(task, states, actions))
 
 
 def _tried(task: WithOutcome) -> tuple[torch.Tensor, torch.Tensor, list[str]]:
-    """States [ROWS, n], actions [ROWS, m], and what is wrong with start states and drawing."""
+    """States [ROWS, n], actions [ROWS, m], and the mistakes in start states and drawing."""
     starts, mistakes = _starts(task)
     mistakes += [] if mistakes else drawing_mistakes(task, starts[0])
     random = generator(0, "torch task check")
@@ -78,7 +78,7 @@ def _mistakes(trials: tuple[Trial, ...]) -> list[str]:
 
 
 def _starts(task: WithOutcome) -> tuple[np.ndarray[Any, np.dtype[np.float64]], list[str]]:
-    """Start states [ROWS, n], or any others and why."""
+    """Start states [ROWS, n]; other states and a mistake if they cannot be drawn."""
     try:
         return task.initial_states(range(ROWS)), []
     except ValueError as error:
@@ -92,7 +92,7 @@ def _starts(task: WithOutcome) -> tuple[np.ndarray[Any, np.dtype[np.float64]], l
 def _outcome_trials(
     task: WithOutcome, states: torch.Tensor, actions: torch.Tensor
 ) -> tuple[Trial, Trial]:
-    """Trials of reward and end; the states stand for next states too, which may be wrong."""
+    """Trials of reward and end; the states also serve as next states, which may be wrong."""
     float64, differentiable = torch.float64, task.reward_is_differentiable is not False
     return (
         Trial(
@@ -107,7 +107,7 @@ def _outcome_trials(
 
 
 def _mistake(trial: Trial) -> Iterator[str]:
-    """What is wrong with a function; the first counts, the others follow from it."""
+    """The first mistake in a function; further ones would follow from it."""
     name, function, arguments = trial.name, trial.function, trial.arguments
     expected = f"must return a tensor {trial.shape} of {trial.dtype}"
     try:
@@ -138,7 +138,7 @@ def _mistake(trial: Trial) -> Iterator[str]:
     if not all(_agree(one, other) for one, other in zip(batched, single, strict=True)):
         yield (
             f"{name} gives other numbers or derivatives under torch.func.vmap than row by row: it "
-            "draws random numbers, or torch is wrong about an operation in it (it is about "
+            "draws random numbers, or torch is wrong about an operation in it (such as "
             "torch.linalg.lu_solve; torch.linalg.solve is right)"
         )
 

@@ -1,9 +1,9 @@
-"""Tracing: a function of tensors as the list of operations that it comes to, without its Python.
+"""Tracing: a function of tensors as the list of its operations, without its Python.
 
-`torch.func` builds batches and derivatives anew at each call, which costs many times the arithmetic
-of a small task. So the function is run once on a block of rows, the operations that it calls are
-written down, equal ones once, and from then on they alone are called: the same operations on the
-same shapes, so the same bits.
+`torch.func` builds batches and derivatives again at each call, which costs many times the
+arithmetic of a small task. So the function is run once on a block of rows, and the operations that
+it calls are recorded, equal ones once. From then on only these are called: the same operations on
+the same shapes give the same bits.
 """
 
 from collections.abc import Callable
@@ -21,14 +21,14 @@ Function = Callable[[torch.Tensor, torch.Tensor], Tensors]
 def traced(function: Function, states: torch.Tensor, actions: torch.Tensor) -> Function:
     """The same function for arguments of these shapes, without gradients of its own.
 
-    The function itself, where torch cannot trace it, or where the trace gives other bits.
+    Returns the function itself if torch cannot trace it, or if the trace gives other bits.
     """
     expected = function(states, actions)
     try:
         graph = _graph(function, states, actions)
         with torch.no_grad():
             found = graph(states, actions)
-    except Exception:  # whatever a function's operations raise when they are traced
+    except Exception:  # any operation of a function may raise when traced
         return function
     if not all(map(_same_bits, expected, found)):
         return function
@@ -46,7 +46,7 @@ def _graph(function: Function, states: torch.Tensor, actions: torch.Tensor) -> G
     pure: Any = torch.func.functionalize(function, remove="mutations")
 
     def of_two(states: torch.Tensor, actions: torch.Tensor) -> Tensors:
-        results: Tensors = pure(states, actions)  # torch looks at the signature, not of a method
+        results: Tensors = pure(states, actions)  # torch reads the signature, but not of a method
         return results
 
     graph: GraphModule = make_fx(of_two)(states, actions)

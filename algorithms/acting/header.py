@@ -1,4 +1,4 @@
-"""Header: what a policy's file says in words beside its arrays."""
+"""Header: the metadata in a policy's file, beside its arrays."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, field
@@ -14,26 +14,26 @@ from physics.features import FeatureMap
 
 @dataclass(frozen=True, config=ConfigDict(extra="forbid", allow_inf_nan=False))
 class Header:
-    """The task that a policy acts in, and how its arrays make an action.
+    """The task in which a policy acts, and how its arrays give an action.
 
     Attributes:
         task: the name of the task.
-        task_version: the version that the policy was trained in.
-        parameters: the values of its physical parameters, and those of noise that were given.
+        task_version: the version of the task in training.
+        parameters: the values of the task's physical parameters, and those of noise if given.
         state_size: n, the coordinates of a state.
         angles: coordinate -> multiplicity k; its features are cos(k theta), sin(k theta).
         hidden: coordinates without a feature.
         action_size: m.
         activation: "tanh", "elu", "silu" or "relu", of hidden units.
-        hidden_units: how many there are in each hidden layer.
+        hidden_units: the number of units of each hidden layer.
         clipped: coordinate -> limit; its feature is clipped to [-limit, limit].
-        feature_order: the place of each feature, were they in the order of the coordinates; empty
-            for that order.
+        feature_order: the index of each feature in the order of the coordinates; empty for that
+            order.
         origin: where the policy comes from: algorithm, seed, timestep, weights, config, run.
         action_low, action_high: the box of the actions.
         feature_clip: normalised features are clipped to [-feature_clip, feature_clip].
         epsilon: what layer normalisation adds to variances.
-        format: of the file.
+        format: the version of the file's format.
     """
 
     task: str
@@ -56,7 +56,7 @@ class Header:
 
     @property
     def feature_map(self) -> FeatureMap:
-        """How features follow from a state."""
+        """The map from states to features."""
         return FeatureMap(
             self.state_size,
             self.angles,
@@ -66,5 +66,5 @@ class Header:
         )
 
     def document(self) -> dict[str, Any]:
-        """Plain values."""
+        """The header as plain values."""
         return asdict(self)

@@ -23,7 +23,7 @@ class PolicyModule(nn.Module):
     def __init__(
         self, policy: TrainedPolicy, takes: Literal["features", "states"] = "features"
     ) -> None:
-        """Copy the policy; `takes` says what `forward` is given.
+        """Copy the policy; `takes` says what the argument of `forward` is.
 
         Raises:
             ValueError: for an unknown `takes`.

@@ -1,12 +1,12 @@
-"""Policy: what a run has learned, to act with in numpy.
+"""Policy: a trained policy that acts in numpy.
 
     x = clip((f(s) - mean) / std, -5, 5)
     h = x,   then for each hidden layer   h = act(g n + c),   n = normalised(h W + b)
     a = tanh(h V + d)
 
-f(s) are the features of a state: what the task's Gymnasium environment observes. The mean of a
-stochastic policy is the action of its evaluation, so there is no noise. Arithmetic is float32, as
-in training; actions equal those of the run's own evaluation except for rounding.
+f(s) are the features of a state: the observation of the task's Gymnasium environment. A stochastic
+policy is evaluated with its mean, so there is no noise. Arithmetic is float32, as in training;
+actions equal those of the run's own evaluation except for rounding.
 """
 
 from collections.abc import Mapping, Sequence
@@ -39,10 +39,10 @@ class TrainedPolicy:
 
     Attributes:
         header: the task, the sizes and the origin.
-        mean: float32 [F], of the features in training.
+        mean: float32 [F], the mean of the features in training.
         inverse_std: float32 [F], 1 / their standard deviation.
         layers: the hidden layers, the first one first.
-        output: the layer that makes the actions.
+        output: the layer that computes the actions.
     """
 
     header: Header
@@ -89,7 +89,7 @@ class TrainedPolicy:
         return h
 
     def _checked(self, given: ArrayLike, what: str, size: int) -> NDArray[np.float64]:
-        """What a policy is given, float64 [..., size]."""
+        """The input of a policy, float64 [..., size]. Raises ValueError if it is invalid."""
         array = np.asarray(given, np.float64)
         if array.ndim not in (1, 2) or array.shape[-1] != size:
             header = self.header
@@ -111,8 +111,8 @@ def policy_of(
     """The policy of a snapshot that was taken in this task.
 
     Raises:
-        ValueError: for a task whose features are more than a header can say, such as one that
-            overrides `features`.
+        ValueError: for a task whose features a header cannot describe, such as one that overrides
+            `features`.
     """
     shape = snapshot.inside.shape(snapshot.policy.mean.size, snapshot.actions)
     p = Parameters(snapshot.policy.theta, shape)
@@ -134,7 +134,7 @@ def policy_of(
     features = environment.without_noise().features(states)
     if not np.array_equal(header.feature_map.features(states), features):
         raise ValueError(
-            f"the policy of {environment.name} cannot leave training: its features are not those "
+            f"the policy of {environment.name} cannot be exported: its features are not those "
             "of its declared angles and hidden coordinates"
         )
     return TrainedPolicy(

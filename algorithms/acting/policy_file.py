@@ -1,4 +1,4 @@
-"""Policy file: a trained policy as a NumPy archive, `.npz`, which is read without pickle.
+"""Policy file: a trained policy as a NumPy archive, `.npz`, that is read without pickle.
 
     header              text: the JSON of algorithms.acting.header.Header
     mean, inverse_std   [F]
@@ -7,7 +7,7 @@
     output/weight       [units, m]
     output/bias         [m]
 
-All arrays but the header are float32. The same policy makes the same bytes.
+All arrays but the header are float32. Equal policies give equal bytes.
 """
 
 import io
@@ -34,14 +34,14 @@ def save_policy(policy: TrainedPolicy, path: str | Path) -> None:
 
     Raises:
         ValueError: for a path that does not end in .npz.
-        OSError: where it cannot be written.
+        OSError: if the file cannot be written.
     """
     check_suffix(path)
     Path(path).write_bytes(policy_bytes(policy))
 
 
 def check_suffix(path: str | Path) -> None:
-    """Refuse a path that does not say what the file is. Raises ValueError."""
+    """Raise ValueError for a path without the suffix of a policy's file."""
     if Path(path).suffix != SUFFIX:
         raise ValueError(f"{path} must end in {SUFFIX}: a policy is a NumPy archive")
 
@@ -65,7 +65,7 @@ def load_policy(source: str | Path | bytes) -> TrainedPolicy:
         source: the path of a file, or the content of one.
 
     Raises:
-        ValueError: for a file that holds no policy; it says what is wrong.
+        ValueError: for a file that does not hold a policy; the message says why.
         OSError: for a file that cannot be read.
     """
     if isinstance(source, bytes):
@@ -75,15 +75,15 @@ def load_policy(source: str | Path | bytes) -> TrainedPolicy:
     try:
         return _policy(_arrays(content))
     except ValueError as error:
-        raise ValueError(f"{name} is no policy: {error}") from error
+        raise ValueError(f"{name} is not a policy: {error}") from error
 
 
 def _arrays(content: bytes) -> State:
     try:
         with np.load(io.BytesIO(content), allow_pickle=False) as file:
             return {name: file[name] for name in file.files}
-    except Exception as error:  # what readers of archives raise is no closed set
-        raise ValueError(f"it is not a whole NumPy archive ({error})") from error
+    except Exception as error:  # readers of archives raise many types of errors
+        raise ValueError(f"it is not a complete NumPy archive ({error})") from error
 
 
 def _policy(arrays: State) -> TrainedPolicy:
@@ -112,7 +112,7 @@ def _shapes(header: Header) -> dict[str, tuple[int, ...]]:
 
 
 def _mistakes(shapes: Mapping[str, tuple[int, ...]], arrays: State) -> Iterator[str]:
-    """What is wrong with the arrays, one sentence each."""
+    """The mistakes in the arrays, one sentence each."""
     for name in sorted(arrays.keys() - shapes.keys() - {"header"}):
         yield f"the array {name!r} is unknown"
     for name, shape in shapes.items():

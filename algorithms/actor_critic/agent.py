@@ -1,8 +1,8 @@
-"""Agent: one off-policy run, which is a replay, statistics of what was seen, and an actor-critic.
+"""Agent: one off-policy run: a replay, statistics of features and rewards, and an actor-critic.
 
-An actor-critic has three parts that an agent knows nothing of: its networks, their update and how
-they explore. Rewards, Q and its unit are in the actor-critic's own scale, c times the task's; what
-an agent reports is in the task's.
+An actor-critic has three parts of which an agent is independent: its networks, their update and
+their exploration. Rewards, Q and its unit are in the actor-critic's own scale, c times the task's;
+an agent's reports are in the task's scale.
 """
 
 from collections.abc import Sequence
@@ -38,31 +38,31 @@ class Settings(HiddenSettings, Protocol):
 
     @property
     def batch_size(self) -> int:
-        """Transitions an update."""
+        """Transitions per update."""
 
     @property
     def rollout_steps(self) -> int:
-        """Environment steps a cycle."""
+        """Environment steps per cycle."""
 
     @property
     def cycle_updates(self) -> int:
-        """Updates a cycle."""
+        """Updates per cycle."""
 
     @property
     def replay_size(self) -> int:
-        """Transitions remembered."""
+        """Transitions that the replay holds."""
 
 
 class Cycle(NamedTuple):
-    """What a cycle of updates is given."""
+    """The arguments of a cycle of updates."""
 
     done: int
-    """Updates done before it."""
+    """Updates done before the cycle."""
     replay: Replay
     indices: NDArray[np.int64]
     """[U, B], the transitions of each update's batch."""
     draws: np.random.Generator
-    """For more random numbers."""
+    """A generator for further random numbers."""
     scaling: Scaling
 
 
@@ -71,9 +71,9 @@ class ActorCritic(Protocol):
 
     Attributes:
         means: fields of an update's report, arrays [U], that are reported as means.
-        quantities: what an update looks at to see whether the run diverges.
+        quantities: the quantities that an update checks for divergence.
         reward_scale: c, the factor of the task's rewards.
-        actor, critic: the networks; of several critics the first.
+        actor, critic: the networks; the first of several critics.
         actor_shape: the actor's sizes.
     """
 
@@ -85,18 +85,19 @@ class ActorCritic(Protocol):
     actor_shape: Shape
 
     def explorer(self, policy: Policy) -> Policy:
-        """The policy that explores about the deterministic one, drawn anew at each call."""
+        """A policy that explores around the deterministic one, drawn again at each call."""
 
     def update(self, cycle: Cycle) -> tuple[int, int, Any]:
         """Update all networks on each of the batches.
 
         Returns:
-            How many updates were done, -1 or the index in `quantities` of what is not finite, and
-            the report; that also has the targets' `target_mean` and `target_square`, arrays [U].
+            How many updates were done; -1, or the index in `quantities` of the one that is not
+            finite; and the report, which also has the targets' `target_mean` and `target_square`,
+            arrays [U].
         """
 
     def change_unit(self, change: UnitChange) -> None:
-        """Leave Q what it is in another unit."""
+        """Change the unit of Q without changing Q."""
 
     def gradient_pair(self, memory: Memory, scaling: Scaling) -> tuple[Array, Array]:
         """The critic's gradient [B, C + m] and its target, at every transition of a memory."""
@@ -105,10 +106,10 @@ class ActorCritic(Protocol):
         """Further numbers by name."""
 
     def state(self) -> State:
-        """All that its next bits depend on."""
+        """All values on which its next bits depend."""
 
     def restore(self, state: State) -> None:
-        """Take up what `state` gave."""
+        """Restore what `state` returned."""
 
 
 class Agent:
@@ -117,10 +118,10 @@ class Agent:
     Its calls raise NotFiniteQuantityError where a quantity stops being finite.
 
     Attributes:
-        seed: of the run.
-        updates: how many were done.
-        jacobians: of transitions, how many were worked out.
-        replay: what it has lived through.
+        seed: the run's seed.
+        updates: updates done so far.
+        jacobians: Jacobians of transitions computed so far.
+        replay: the run's transitions.
     """
 
     def __init__(
@@ -138,10 +139,10 @@ class Agent:
 
         Args:
             environment: the task.
-            coordinates: of its features.
-            seed: of the run.
-            actor_critic: its networks, about to be trained.
-            timesteps: of the whole run, which bounds its replay.
+            coordinates: the coordinates of its features.
+            seed: the run's seed.
+            actor_critic: its networks, untrained.
+            timesteps: those of the whole run, which bound its replay.
             config: the settings.
             linearized: whether transitions come with their derivatives.
         """
@@ -170,11 +171,11 @@ class Agent:
         return deterministic(theta, scaling.mean, scaling.inverse, self._environment.action_size)
 
     def exploring_policy(self) -> Policy:
-        """A policy to explore with, drawn anew at each call."""
+        """A policy to explore with, drawn again at each call."""
         return self._actor_critic.explorer(self.policy())
 
     def remember(self, experience: Experience) -> None:
-        """Store the transitions and take in their features and rewards."""
+        """Store the transitions and add their features and rewards to the statistics."""
         transitions, c = experience.transitions, self._actor_critic.reward_scale
         check_finite(transitions)
         self._statistics.observe(np.ascontiguousarray(transitions.features))
@@ -214,7 +215,7 @@ class Agent:
     def _agreement(self, indices: NDArray[np.int64]) -> dict[str, float]:
         """How well the critic's gradient fits its target, at these transitions of the replay.
 
-        NaN where a step has no derivatives: who matches no gradients does not need them.
+        NaN if a step has no derivatives: learners that match no gradients do not need them.
         """
         try:
             drawn = with_derivatives(self._environment, self._coordinates, self.replay, indices)
@@ -225,7 +226,7 @@ class Agent:
         return agreement(gradient, target, self._coordinates)
 
     def state(self) -> State:
-        """All that its next bits depend on but the replay."""
+        """All values on which its next bits depend, except the replay."""
         return {
             "updates": np.array(self.updates),
             "jacobians": np.array(self.jacobians),
@@ -235,7 +236,7 @@ class Agent:
         }
 
     def restore(self, state: State) -> None:
-        """Take up what `state` gave; the replay is filled by who calls this."""
+        """Restore what `state` returned; the caller fills the replay."""
         self.updates = int(state["updates"])
         self.jacobians = int(state["jacobians"])
         self._actor_critic.restore(state)

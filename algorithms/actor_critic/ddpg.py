@@ -1,4 +1,4 @@
-"""DDPG: deep deterministic policy gradients, as OpenAI Baselines ran it in the paper's day.
+"""DDPG: deep deterministic policy gradients, as in OpenAI Baselines at the time of the paper.
 
     Qhat  = r + gamma (1 - terminated) Q'(s', pi'(s'))
     critic   down   1/B sum (Q(s, a) - Qhat)^2 + decay / 2 |hidden products|^2
@@ -11,17 +11,18 @@ Sources: Lillicrap et al. (2015); OpenAI Baselines (Dhariwal et al., 2017), comm
 parameter noise, Plappert et al. (2017). Differences from Baselines:
 
 - the critic returns a normalised Q, whose mean and standard deviation follow the targets seen in
-  the replay; when they move, the output layers of Q and Q' are changed so that Q is not, and Adam's
-  moments of both networks are those of the new unit (algorithms.networks.value_scale);
+  the replay; when they change, the output layers of Q and Q' are adapted so that Q stays the same,
+  and Adam's moments of both networks are converted to the new unit
+  (algorithms.networks.value_scale);
 - the critic takes features and action side by side at its input (as Baselines did from September
   2018 on), and hidden units are tanh, not ReLU: the hybrid needs a smooth critic;
-- weight decay is on hidden products alone (as Baselines from November 2018 on);
-- the exploring actor is perturbed anew at each cycle, too
+- weight decay applies to hidden products alone (as in Baselines from November 2018 on);
+- the exploring actor is perturbed again at each cycle, too
   (algorithms.actor_critic.parameter_noise);
 - features have a standard-deviation floor of 0.001, not 0.1, and their statistics change with each
   cycle, not with each step;
-- running out of time does not stop the bootstrap (`time_limit_is_terminal` brings that back);
-- everything in float32 but the simulator and the statistics.
+- a time limit does not stop the bootstrap (`time_limit_is_terminal` restores that);
+- everything is in float32 except the simulator and the statistics.
 """
 
 from collections.abc import Sequence
@@ -87,7 +88,7 @@ class DDPG:
         return policy._replace(theta=self._noise.perturbed(policy.theta, noise))
 
     def update(self, cycle: Cycle) -> tuple[int, int, Report]:
-        """Adapt the noise, update both networks."""
+        """Adapt the noise, then update both networks."""
         self._adapt_noise(cycle)
         report = empty_report(len(cycle.indices))
         done, lost = update(
@@ -123,14 +124,14 @@ class DDPG:
         }
 
     def restore(self, state: State) -> None:
-        """Take up what `state` gave."""
+        """Restore what `state` returned."""
         self._perturbations = int(state["perturbations"])
         self._noise.scale = float(state["noise_scale"])
         self.actor.restore(part(state, "actor"))
         self.critic.restore(part(state, "critic"))
 
     def _adapt_noise(self, cycle: Cycle) -> None:
-        """Measure what a fresh perturbation does to the actions, and follow it."""
+        """Adapt the scale of the noise to the action distance of a new perturbation."""
         draws = generator(self._seed, "noise adaptation", cycle.done)
         perturbed = self._noise.perturbed(self.actor.theta, draws)
         indices = draws.integers(cycle.replay.size, size=cycle.indices.shape[1:])

@@ -6,7 +6,7 @@ products); one of the actor up the critic,
 
     d(actor)/dtheta = 1/B sum dQ/da|a=pi(s) dpi(s)/dtheta
 
-both gradients taken at the parameters before the update; both targets follow.
+with both gradients at the parameters before the update; then both targets follow.
 """
 
 from typing import Any, NamedTuple
@@ -41,7 +41,7 @@ class Rates(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Arrays that an update writes over."""
+    """Arrays that an update overwrites."""
 
     batch: Batch
     actor: Pass
@@ -82,11 +82,11 @@ def update(
     shapes: tuple[Shape, Shape],
     report: Report,
 ) -> tuple[int, int]:
-    """Update on the batches `indices [U, B]`, `done` updates having been done before.
+    """Update on the batches `indices [U, B]`, after `done` earlier updates.
 
     Returns:
-        How many of the U updates were done, and -1; or, at an update that met a number that is not
-        finite, how many were done before it, and the number's index in `QUANTITIES`.
+        How many of the U updates were done, and -1; or, if a number in an update is not finite, how
+        many were done before it, and the number's index in `QUANTITIES`.
     """
     actor_shape, critic_shape = shapes
     work = new_work(memory, learned_actor, learned_critic, indices.shape[1], shapes)

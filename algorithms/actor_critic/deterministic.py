@@ -1,4 +1,4 @@
-"""What the updates of DDPG and TD3 share: the step of a deterministic actor, and what is noted."""
+"""The shared parts of the updates of DDPG and TD3: the actor's step and the report."""
 
 from typing import Any, NamedTuple
 
@@ -21,7 +21,7 @@ QUANTITIES = (
     "critic parameters",
     "actor parameters",
 )
-"""What an update looks at, in this order, to see whether the run diverges."""
+"""The quantities that an update checks for divergence, in this order."""
 MEANS = (
     "critic_loss",
     "gradient_loss",
@@ -33,7 +33,7 @@ MEANS = (
 
 
 class Report(NamedTuple):
-    """What each of U updates saw, [U]; of several critics, the mean."""
+    """The report of each of U updates, [U]; the mean of several critics."""
 
     critic_loss: Array
     gradient_loss: Array
@@ -48,7 +48,7 @@ class Report(NamedTuple):
 
 
 def empty_report(updates: int) -> Report:
-    """Room for the report of `updates` updates."""
+    """An empty report for `updates` updates."""
     single, double = np.zeros((5, updates), np.float32), np.zeros((2, updates))
     return Report(single[0], single[1], single[2], single[3], single[4], double[0], double[1])
 

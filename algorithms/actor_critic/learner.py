@@ -1,8 +1,8 @@
 """The off-policy loop: act, remember, learn, measure; for a cohort of runs.
 
 A cycle takes some environment steps in every run, all runs together, and then lets one agent after
-the other learn from its own replay. Every 800 timesteps, and at its end, each run is measured. What
-raises in one run ends it alone.
+the other learn from its own replay. Every 800 timesteps, and at its end, each run is measured. An
+error in one run ends that run alone.
 """
 
 import math
@@ -29,7 +29,7 @@ from physics.environment import Environment
 
 Config = TypeVar("Config", bound=Settings)
 NewActorCritic = Callable[[Environment, Coordinates, int, Matching, Config], ActorCritic]
-"""`(environment, coordinates, seed, matching, config)` -> an actor-critic about to be trained."""
+"""`(environment, coordinates, seed, matching, config)` -> an untrained actor-critic."""
 
 
 class OffPolicyLearner:
@@ -45,7 +45,7 @@ class OffPolicyLearner:
         timesteps: int,
         rollout_steps: int,
     ) -> None:
-        """Bring together agents and the rollout that feeds them, seeds in the same order."""
+        """Combine agents with the rollout of their steps, with seeds in the same order."""
         self._environment = environment
         self._agents = list(agents)
         self._rollout = rollout
@@ -91,7 +91,7 @@ class OffPolicyLearner:
         self._stopwatch.keep(self.seeds)
 
     def state(self, seed: int) -> State:
-        """All that the run's next bits depend on but its journal."""
+        """All values on which the run's next bits depend, except its journal."""
         k = self.seeds.index(seed)
         own = {
             "timestep": np.array(self.timestep),
@@ -106,7 +106,7 @@ class OffPolicyLearner:
         return self._agents[self.seeds.index(seed)].replay.journal(start)
 
     def restore(self, saved: Mapping[int, Saved]) -> None:
-        """Take up every run where it was left, its replay worked out from its journal."""
+        """Restore every run as it was saved; its replay is recomputed from its journal."""
         [self.timestep] = {int(saved[seed].state["timestep"]) for seed in self.seeds}
         for k, agent in enumerate(self._agents):
             state, journal = saved[agent.seed]
@@ -122,7 +122,7 @@ class OffPolicyLearner:
         return self._agents[self.seeds.index(seed)].snapshot(self.timestep)
 
     def _act(self) -> list[EarlyEnd]:
-        """Take a cycle's steps, cut where a measurement is due."""
+        """Take a cycle's steps, stopping where a measurement is due."""
         due = MEASURE_EVERY - self.timestep % MEASURE_EVERY
         steps = min(self._rollout_steps, due, self._timesteps - self.timestep)
         with self._stopwatch.training(self.seeds):
@@ -137,7 +137,7 @@ class OffPolicyLearner:
         self._exploring.set(k, self._agents[k].exploring_policy())
 
     def _train(self, call: Callable[[Agent], None]) -> list[EarlyEnd]:
-        """Call for every agent, as its training."""
+        """Call for every agent, timed as its training."""
 
         def timed(agent: Agent) -> None:
             with self._stopwatch.training([agent.seed]):
@@ -146,7 +146,7 @@ class OffPolicyLearner:
         return self._each(timed)
 
     def _each(self, call: Callable[[Agent], None]) -> list[EarlyEnd]:
-        """Call for every agent; those for which it raises leave."""
+        """Call for every agent; drop those for which it raises."""
         ends = call_each(
             call,
             self._agents,
@@ -159,7 +159,7 @@ class OffPolicyLearner:
     def _measure(self, ends: list[EarlyEnd]) -> list[tuple[Agent, float, dict[str, float]]]:
         """Each agent with the return of an evaluation episode and its diagnostics.
 
-        Those for which that raises leave, and their ends are added to `ends`.
+        Agents for which this raises are dropped, and their ends are added to `ends`.
         """
         if not self._agents:
             return []

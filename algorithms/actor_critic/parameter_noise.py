@@ -2,17 +2,17 @@
 
 The actor that explores is `theta + scale * N(0, 1)`, layer normalisation's parameters excepted,
 drawn at the start of each episode and of each cycle. The scale follows the distance that the
-noise makes in action space,
+noise causes in action space,
 
     d = sqrt(mean (pi(s) - pi~(s))^2)   over a batch and all actions
 
-measured with a fresh perturbation once a cycle, before the updates: d > aim divides the scale by
-1.1, else it is multiplied by it.
+measured with a new perturbation once per cycle, before the updates: if d > aim, the scale is
+divided by 1.1, otherwise it is multiplied by 1.1.
 
-Source: Plappert et al. (2017), as OpenAI Baselines does it (adaptive-param_0.2). Differences: the
-factor is 1.1, not 1.01, since a run here has a few hundred cycles, not ten thousand; and a cycle
-begins with a new perturbation, as Baselines does with several environments (on Pendulum, 20,000
-timesteps, 8 seeds, the mean return of ddpg rises from -683 to -476).
+Source: Plappert et al. (2017), as in OpenAI Baselines (adaptive-param_0.2). Differences: the factor
+is 1.1, not 1.01, since a run here has a few hundred cycles, not ten thousand; and a cycle begins
+with a new perturbation, as in Baselines with several environments (on Pendulum, 20,000 timesteps, 8
+seeds, the mean return of ddpg rises from -683 to -476).
 """
 
 from typing import Any
@@ -32,7 +32,7 @@ from physics.kernels.compiled import compiled_fast
 
 FACTOR = 1.1
 LARGEST_SCALE = 1e3
-"""An aim that no perturbation of a saturated actor reaches would let the scale grow without end."""
+"""Without it, the scale of a saturated actor, which never reaches its aim, would grow forever."""
 
 
 class ParameterNoise:
@@ -59,7 +59,7 @@ class ParameterNoise:
         return copy
 
     def adapt(self, distance: float) -> None:
-        """Follow the distance that a perturbation of this scale made."""
+        """Adapt the scale to the distance that a perturbation of this scale caused."""
         scale = self.scale / FACTOR if distance > self.aim else self.scale * FACTOR
         self.scale = min(scale, LARGEST_SCALE)
 

@@ -5,33 +5,34 @@
     pi       down   1/B sum log pi(a~ | s) - Q1(s, a~)
     target   V' += tau (V - V')
 
-The temperature is fixed; the reward scale c is its inverse. Or it is learned
-(`temperature="learned"`): log pi is multiplied by alpha, which follows the entropy to -m, for m
+The temperature is fixed, and the reward scale c is its inverse; or it is learned
+(`temperature="learned"`): log pi is multiplied by alpha, which drives the entropy to -m, for m
 actions, and c is 1 (Haarnoja et al., 2019). Alpha starts at the size of the first rewards. The
-hybrid adds to both Qs the L2 gradient loss (algorithms.matching.losses) against
+hybrid adds to the losses of both Qs the L2 gradient loss (algorithms.matching.losses) against
 
     dQhat = c (dr + dr/ds' J) + gamma (1 - terminated) dV'/ds' J
 
 Runs are measured with the mean action, tanh mu.
 
 Sources: Haarnoja et al. (2018), "Soft actor-critic: off-policy maximum entropy deep reinforcement
-learning with a stochastic actor", and the authors' code, commit 8258e33, from which it takes Q1,
-not the minimum, in the policy's loss; the hybrid, "D3PG" (2019), appendix A.2. Differences:
+learning with a stochastic actor", and the authors' code, commit 8258e33, whose policy loss has Q1
+instead of the minimum; for the hybrid, "D3PG" (2019), appendix A.2. Differences:
 
 - the networks are those of every learner here (algorithms.networks.network): 64-64 tanh units with
   layer normalisation, small last layers; not 256-256 ReLU. Batches are of 64, not 256;
 - features are normalised; V and both Q are in one unit, which follows the targets of Q
-  (algorithms.networks.value_scale); log pi, in the unit of c r, is divided by it in the target of
-  V;
-- squared losses have no factor 1/2, so that w1 and w2 weigh as they do in DDPG;
-- 100 steps, then 100 updates; not step by step. All networks are updated from one batch;
+  (algorithms.networks.value_scale); log pi, in the unit of c r, is divided by that unit in the
+  target of V;
+- squared losses have no factor 1/2, so that w1 and w2 have the same weight as in DDPG;
+- a cycle is 100 steps, then 100 updates; they do not alternate step by step. All networks are
+  updated from one batch;
 - updates begin with the first cycle; in the authors' code, after the first 1,000 steps, whose
   actions are uniform in both;
 - log(1 - tanh^2 u) is exact (algorithms.networks.gaussian);
-- with a learned temperature, V stays; the authors' later code has target critics in its place;
-- nothing regularises the policy. The authors' code has a regulariser, 1e-3 times the means of
-  mu^2 / 2 and of (log sigma)^2 / 2; at that commit no loss takes it in;
-- everything in float32 but the simulator and the statistics.
+- V is kept with a learned temperature; the authors' later code has target critics in its place;
+- the policy is not regularised. The authors' code has a regulariser, 1e-3 times the means of
+  mu^2 / 2 and of (log sigma)^2 / 2; at that commit no loss includes it;
+- everything is in float32 except the simulator and the statistics.
 """
 
 from collections.abc import Sequence
@@ -121,7 +122,7 @@ class SAC:
         return policy._replace(noise=draws.standard_normal(self._noise_shape, np.float32))
 
     def update(self, cycle: Cycle) -> tuple[int, int, Report]:
-        """Update all networks, with actions drawn anew."""
+        """Update all networks, with newly drawn actions."""
         self._steps = cycle.replay.count
         actions = self._noise_shape[1]
         noise = cycle.draws.standard_normal((*cycle.indices.shape, actions), np.float32)
@@ -148,7 +149,7 @@ class SAC:
         )
 
     def diagnostics(self) -> dict[str, float]:
-        """Nothing beyond what every agent tells."""
+        """No numbers beyond those of every agent."""
         return {}
 
     def state(self) -> State:
@@ -160,7 +161,7 @@ class SAC:
         }
 
     def restore(self, state: State) -> None:
-        """Take up what `state` gave."""
+        """Restore what `state` returned."""
         self._explorations = int(state["explorations"])
         self._steps = int(state["steps"])
         self._networks.restore(part(state, "networks"))
@@ -177,7 +178,7 @@ def shapes_of(environment: Environment, config: SACConfig) -> Shapes:
 
 
 def initial_networks(shapes: Shapes, seed: int) -> Networks:
-    """The networks of a run about to begin."""
+    """The initial networks of a run."""
     first, second = (
         learned_alone(initial_theta(shapes.critic, generator(seed, "critic", k))) for k in range(2)
     )

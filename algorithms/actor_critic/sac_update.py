@@ -7,12 +7,12 @@ step each of
     V        down   1/B sum (V(s) - Vhat)^2                     with the same a~
     Q1, Q2   down   the critic's losses (algorithms.matching.losses)
 
-where V's target and pi's loss have log pi times a temperature alpha. That is 1, or learned, with
-one more step of Adam, so that the entropy comes to be H, and pi's loss is in the unit of Q:
+where V's target and pi's loss have log pi times a temperature alpha. Alpha is 1, or it is learned,
+with one more step of Adam, so that the entropy approaches H; pi's loss is then in the unit of Q:
 
     log alpha   down   -log alpha (mean log pi + H)
 
-all gradients taken at the parameters before the update; then V' follows V.
+All gradients are at the parameters before the update; then V' follows V.
 """
 
 from typing import Any, NamedTuple
@@ -47,7 +47,7 @@ QUANTITIES = (
     "actor parameters",
     "temperature",
 )
-"""What an update looks at, in this order, to see whether the run diverges."""
+"""The quantities that an update checks for divergence, in this order."""
 
 
 class Rates(NamedTuple):
@@ -63,13 +63,13 @@ class Rates(NamedTuple):
 
 
 class Networks(NamedTuple):
-    """All that one run learns."""
+    """The parameters that one run learns."""
 
     policy: Learned
     value: Learned
     critics: tuple[Learned, Learned]
     temperature: Learned
-    """Of one entry, log alpha in the unit of Q; unused where alpha is 1."""
+    """A single entry, log alpha in the unit of Q; unused where alpha is 1."""
 
     def state(self) -> State:
         """All of them by name."""
@@ -101,7 +101,7 @@ class Shapes(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Arrays that an update writes over."""
+    """Arrays that an update overwrites."""
 
     batch: Batch
     policy: Pass
@@ -120,7 +120,7 @@ class Work(NamedTuple):
 
 
 class Report(NamedTuple):
-    """What each of U updates saw, [U]; of the two critics, the mean."""
+    """The report of each of U updates, [U]; the mean of the two critics."""
 
     critic_loss: Array
     gradient_loss: Array
@@ -141,7 +141,7 @@ class Report(NamedTuple):
 
 
 def empty_report(updates: int) -> Report:
-    """Room for the report of `updates` updates."""
+    """An empty report for `updates` updates."""
     return Report(*np.zeros((9, updates), np.float32), *np.zeros((2, updates)))
 
 
@@ -177,9 +177,9 @@ def update(
     shapes: Shapes,
     report: Report,
 ) -> tuple[int, int]:
-    """Update on the batches `indices [U, B]`, `done` updates having been done before.
+    """Update on the batches `indices [U, B]`, after `done` earlier updates.
 
-    `noise [U, B, m]` is what actions are sampled with.
+    `noise [U, B, m]` is the noise of the sampled actions.
 
     Returns:
         As `algorithms.actor_critic.ddpg_update.update`.
@@ -237,9 +237,9 @@ def aim_critics(
 
 @compiled_fast
 def weights_of(networks: Networks, rates: Rates, scaling: Scaling) -> tuple[Any, Any]:
-    """What the normalised Q and log pi weigh in the policy's loss.
+    """The weights of the normalised Q and of log pi in the policy's loss.
 
-    A fixed temperature is in the unit of c r, so is the loss; a learned one is in the unit of Q.
+    With a fixed temperature, the loss is in the unit of c r; with a learned one, in that of Q.
     """
     real = networks.temperature.theta.dtype.type
     if rates.learns_temperature:
@@ -264,7 +264,7 @@ def improve_policy(
     work: Work,
     shapes: Shapes,
 ) -> None:
-    """The gradient of the policy's loss; on the way, the target of V."""
+    """Compute the gradient of the policy's loss and the target of V."""
     batch, q = work.batch, work.fit.critic
     policy = Parameters(networks.policy.theta, shapes.policy)
     rows = batch.x.shape[0]
@@ -275,7 +275,7 @@ def improve_policy(
     critic.join(batch.x, work.actions, q.x)
     work.value_aim[:] = np.inf
     for k in range(2):
-        # The first critic last: its pass is the one that is pulled back.
+        # The first critic comes last: its pass is used for the backward pass.
         theta = networks.critics[1 - k].theta
         network.forward(Parameters(theta, shapes.critic), q)
         for row in range(rows):
@@ -315,7 +315,7 @@ def fit_critic(
     report: Report,
     u: int,
 ) -> Any:
-    """Step one critic, add half of what it saw to the report; return its squared norm."""
+    """Step one critic, add half of its numbers to the report; return its squared norm."""
     half = gaussian.HALF
     q = Parameters(learned.theta, shapes.critic)
     result = Parameters(work.fit.theta_gradient, shapes.critic)
@@ -331,7 +331,7 @@ def fit_critic(
 
 @compiled_fast
 def describe(work: Work, report: Report, u: int) -> None:
-    """Note the entropy, and the moments of the critics' targets."""
+    """Report the entropy, and the moments of the critics' targets."""
     rows = work.log_pi.size
     entropy, total, square = 0.0, 0.0, 0.0
     for row in range(rows):

@@ -7,8 +7,8 @@
     targets  Q' += tau (Q - Q'),   pi' += tau (pi - pi'),                   every second update
 
 It explores with uniform actions for the first 1,000 steps, then with noise N(0, 0.1) on each action
-of its policy. The hybrid adds to both critics' losses the robust
-gradient loss (algorithms.matching.losses) against the gradient of Qhat, of the lesser Q'.
+of its policy. The hybrid adds to both critics' losses the robust gradient loss
+(algorithms.matching.losses) against the gradient of Qhat, that is, of the lesser Q'.
 
 Sources: Fujimoto et al. (2018), "Addressing function approximation error in actor-critic methods",
 and the authors' code, commit 6a9f761. Differences:
@@ -17,9 +17,9 @@ and the authors' code, commit 6a9f761. Differences:
   layer normalisation, small last layers; not 256-256 ReLU. Batches are of 64, not 256;
 - features are normalised, and both critics' unit follows their targets
   (algorithms.networks.value_scale);
-- a cycle of environment steps, then one of updates; not step by step. Updates begin with the first
-  cycle; in the authors' code, after the uniform actions;
-- everything in float32 but the simulator and the statistics.
+- a cycle is some environment steps, then some updates; they do not alternate step by step. Updates
+  begin with the first cycle; in the authors' code, after the uniform actions;
+- everything is in float32 except the simulator and the statistics.
 """
 
 from collections.abc import Sequence
@@ -99,7 +99,7 @@ class TD3:
         return policy._replace(noise=noise)
 
     def update(self, cycle: Cycle) -> tuple[int, int, Report]:
-        """Update both critics, and the actor now and then."""
+        """Update both critics and, at intervals, the actor."""
         self._steps = cycle.replay.count
         actions = self._noise_shape[1]
         noise = cycle.draws.standard_normal((*cycle.indices.shape, actions), np.float32)
@@ -125,7 +125,7 @@ class TD3:
         )  # fmt: skip
 
     def diagnostics(self) -> dict[str, float]:
-        """Nothing beyond what every agent tells."""
+        """No numbers beyond those of every agent."""
         return {}
 
     def state(self) -> State:
@@ -140,7 +140,7 @@ class TD3:
         }
 
     def restore(self, state: State) -> None:
-        """Take up what `state` gave."""
+        """Restore what `state` returned."""
         first, second = self._networks.critics
         self._explorations = int(state["explorations"])
         self._steps = int(state["steps"])

@@ -6,7 +6,7 @@ Each update: draw a batch; the critics' target, and its gradient if w1 or w2 is 
     Qhat = r + gamma c min(Q1', Q2')(s', a')                                      c = 1 - terminated
 
 then one Adam step of each critic down its losses (algorithms.matching.losses). Every second update
-then steps the actor up Q1(s, pi(s)), and lets all targets follow.
+also steps the actor up Q1(s, pi(s)), and lets all targets follow.
 
 The gradient of Qhat goes through a' where that lies within the bounds of the actions: da'/ds' is
 dpi'/ds' there, and 0 where a' is clipped to them.
@@ -46,18 +46,18 @@ class Rates(NamedTuple):
     """Sigma."""
     noise_bound: np.float32
     delay: int
-    """Updates of the critics for one of the actor."""
+    """Updates of the critics for each update of the actor."""
 
 
 class Networks(NamedTuple):
-    """All that one run learns."""
+    """The parameters that one run learns."""
 
     actor: Learned
     critics: tuple[Learned, Learned]
 
 
 class Work(NamedTuple):
-    """Arrays that an update writes over."""
+    """Arrays that an update overwrites."""
 
     batch: Batch
     actor: Pass
@@ -68,7 +68,7 @@ class Work(NamedTuple):
     actor_gradient: Array
     """[P]"""
     following: tuple[Pass, Pass]
-    """Of the target critics."""
+    """The passes of the target critics."""
     fit: CriticWork
 
 
@@ -102,10 +102,10 @@ def update(
     shapes: tuple[Shape, Shape],
     report: Report,
 ) -> tuple[int, int]:
-    """Update on the batches `indices [U, B]`, `done` updates having been done before.
+    """Update on the batches `indices [U, B]`, after `done` earlier updates.
 
-    `noise [U, B, m]` is standard normal. A report's actor gradient is that of the last update that
-    stepped the actor, 0 before the first.
+    `noise [U, B, m]` is standard normal. The actor gradient in a report is that of the last update
+    that stepped the actor, 0 before the first.
 
     Returns:
         As `algorithms.actor_critic.ddpg_update.update`.
@@ -214,7 +214,7 @@ def fit_critic(
     report: Report,
     u: int,
 ) -> tuple[Any, Any]:
-    """Step one critic, add half of what it saw to the report; return its squared norms."""
+    """Step one critic, add half of its numbers to the report; return its squared norms."""
     fit = work.fit
     q, result = Parameters(learned.theta, shape), Parameters(fit.theta_gradient, shape)
     value_loss, gradient_loss = critic.fit(q, work.batch, coordinates, matching, fit, result)

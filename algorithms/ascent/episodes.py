@@ -2,8 +2,8 @@
 
     R = sum over t < e of  r(s_t, a_t, s_{t+1}),    a_t = pi(s_t),   s_{t+1} = f(s_t, a_t)
 
-An episode is a column of steps without noise, undivided and undiscounted; from its end e on, be it
-the task's or the time limit, nothing is earned (algorithms.ascent.pathwise).
+An episode is a column of steps without noise, undivided and undiscounted; after its end e, whether
+by the task or by the time limit, rewards are 0 (algorithms.ascent.pathwise).
 
 Glossary: `T` steps, `E` episodes of one actor, `K` actors; `n`, `m`, `F` sizes of states, actions
 and features.
@@ -36,14 +36,15 @@ class LinearizedEpisodes(NamedTuple):
     """Episodes of K actors, with the derivatives of all their steps."""
 
     steps: tuple[Floats, ...]
-    """[T, K, E, ...], as `Linearized` has them of each actor."""
+    """[T, K, E, ...], the fields of `Linearized` for each actor."""
     ends: Integers
-    """[K, E], steps each episode had."""
+    """[K, E], the number of steps of each episode."""
 
     def of(self, k: int) -> Linearized:
-        """The episodes of actor k, `[T, E, ...]`, T the length of its own longest.
+        """The episodes of actor k, `[T, E, ...]`, T the length of its own longest episode.
 
-        Not of the cohort's: a product's bits may depend on how many rows it has, void ones too.
+        T is not that of the cohort, because a product's bits may depend on its number of rows,
+        void rows included.
         """
         longest = self.ends[k].max()
         parts = [np.ascontiguousarray(part[:longest, k]) for part in self.steps]
@@ -56,7 +57,7 @@ def live(
     """Run E episodes of each of K actors from its start states [K, E, n].
 
     Returns:
-        The episodes, void for those that failed, None if all did; and, by `k E + e`, how they did.
+        The episodes, void where they failed, None if all did; and the failures, by `k E + e`.
     """
     actors, each, n = starts.shape
     everyone = Policies([policy for policy in policies for _ in range(each)], shape)

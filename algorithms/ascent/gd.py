@@ -4,19 +4,19 @@
 
 Each update runs E whole episodes under the deterministic actor, from new start states, and takes
 one step of Adam along the exact gradient of their mean undiscounted return; its norm is clipped,
-since over a hundred steps of a chaotic system it may be anything. A gradient or an actor that is
-not finite ends the run.
+since it may be arbitrarily large over a hundred steps of a chaotic system. A gradient or an actor
+that is not finite ends the run.
 
-The actor is the one that the other learners of that seed begin with. Its features are normalised as
-theirs are, by the mean and standard deviation of all the run has seen; these move between updates.
+The initial actor is that of the other learners of that seed. Its features are normalised as theirs,
+by the mean and standard deviation over the whole run so far; these change between updates.
 
 A run ends at its timesteps, or when its curve has reached a plateau: when the mean of its latest
 ten `return_mean` has had no new best for `patience` measurements.
 
-Sources: Hu et al. (2019) and Degrave et al. (2019), as the paper's section 5.2 sums them up; Adam,
-Kingma and Ba (2014). The backward pass through an episode is written out and compiled instead of
-left to autograd through `physics.torch_step`: the same derivatives, and the tests hold one against
-the other. What the paper leaves open: the step size, the number of episodes, the clipping.
+Sources: Hu et al. (2019) and Degrave et al. (2019), as summarised in the paper's section 5.2; Adam,
+Kingma and Ba (2014). The backward pass through an episode is written out and compiled, instead of
+autograd through `physics.torch_step`: the derivatives are the same, and tests compare the two. The
+paper does not specify the step size, the number of episodes and the clipping.
 """
 
 from collections.abc import Callable, Sequence
@@ -35,7 +35,7 @@ from physics.environment import Environment
 
 
 class GDLearner(OnPolicyLearner[GDRun, Linearized]):
-    """A cohort of runs that learn from whole episodes; short ones cost fewer timesteps."""
+    """A cohort of runs that learn from whole episodes; short episodes cost fewer timesteps."""
 
     def __init__(
         self, environment: Environment, seeds: Sequence[int], timesteps: int, config: GDConfig
@@ -69,6 +69,6 @@ def build(
     timesteps: int,
     config: GDConfig,
 ) -> GDLearner:
-    """A cohort of GD runs, which have no use for weights."""
+    """A cohort of GD runs, which do not use the weights."""
     del weights
     return GDLearner(environment, seeds, timesteps, config)

@@ -1,4 +1,4 @@
-"""One run of gradient ascent (see `algorithms.ascent.gd`): its actor, and how far it is."""
+"""One run of gradient ascent (see `algorithms.ascent.gd`): its actor and its progress."""
 
 import numpy as np
 
@@ -23,11 +23,11 @@ from physics.kernels.compiled import compiled_fast
 from physics.randomness import generator
 
 SMOOTHED = 10
-"""Measurements whose mean tells whether a curve still rises."""
+"""The number of measurements whose mean shows whether a curve still rises."""
 
 
 class GDRun(CountedRun):
-    """One actor and how far it has come: steps of its episodes, each with its Jacobian."""
+    """One actor and its progress in steps of its episodes, each with its Jacobian."""
 
     counters = (*CountedRun.counters, "_best_at")
     learned = ("_best",)
@@ -90,7 +90,7 @@ class GDRun(CountedRun):
         return {"gradient_norm": float(np.median(norms)) if norms else np.nan}
 
     def measured(self, return_mean: float) -> Measurement:
-        """Take in a measurement, and whether it is a new best."""
+        """Return the next measurement, and note whether it is a new best."""
         measurement = super().measured(return_mean)
         latest = float(np.mean([*self.history.returns][-SMOOTHED:]))
         if latest > self._best:
@@ -99,7 +99,7 @@ class GDRun(CountedRun):
 
     @property
     def is_over(self) -> bool:
-        """Whether it has had its timesteps, or its curve has not risen for long."""
+        """Whether it has used its timesteps, or its curve is on a plateau."""
         on_plateau = self.history.count - self._best_at >= self._config.patience
         return on_plateau or super().is_over
 
@@ -109,11 +109,11 @@ class GDRun(CountedRun):
         return episode_bytes(self._environment, self._config)
 
     def parts(self) -> dict[str, Part]:
-        """The actor, and what is known of its features."""
+        """The actor, and the statistics of its features."""
         return {"actor": self._actor, "statistics": self._statistics}
 
     def state(self) -> State:
-        """All that its next bits depend on."""
+        """All values on which its next bits depend."""
         norms = np.array(self._gradient_norms, np.float64)
         return {**super().state(), "gradient_norms": norms}
 

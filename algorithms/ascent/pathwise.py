@@ -1,22 +1,22 @@
-"""The exact gradient of what steps earn with respect to the actor that took them.
+"""The exact gradient of the rewards of steps with respect to the actor that took them.
 
-Steps lie in columns, one a row of simulated time; a column has one episode after the other. Of a
-stretch of a column, from where an episode begins or the column does, to where either ends:
+Steps lie in columns, one per row of simulated time; a column has one episode after the other. For a
+stretch of a column, from the start of an episode or of the column to the end of either:
 
     J = sum over its steps of  discount^i r(s_i, a_i, s_{i+1})  +  discount^h W(s_h)
     a = tanh(mu(s) + e),   s' = f(s, a)
 
-with W what comes after the stretch's h steps is worth, and e the noise that was added, held.
-Backwards in time, with lambda the gradient in s' of what comes after a step (that of W after a
-stretch's last) and J the Jacobians of the step:
+with W the value of what follows the stretch's h steps, and e the added noise, held constant.
+Backwards in time, with lambda the gradient in s' of what follows a step (that of W after a
+stretch's last step) and J the Jacobians of the step:
 
     q        = discount lambda' + r_s'
     abar     = r_a + J_a' q
     lambda   = r_s + J_s' q + (dpi/ds)' abar
     dJ/dtheta = sum over steps of  discount^i abar' dpi(s)/dtheta
 
-The network is worked on all steps at once: first its own Jacobians, then, once the recursion has
-found every abar, one backward pass.
+The network is evaluated for all steps at once: first its own Jacobians, then, once the recursion
+has computed every abar, one backward pass.
 
 Glossary: `T` steps, `E` columns of one actor; `n`, `m`, `F` sizes of states, actions and features;
 `N = T E` rows, time first.
@@ -41,7 +41,7 @@ Integers = NDArray[np.int64]
 
 
 class Linearized(NamedTuple):
-    """Steps with all their derivatives; those from a column's end on are void."""
+    """Steps with all their derivatives; those after a column's end are void."""
 
     features: Floats
     """[T, E, F]"""
@@ -67,16 +67,16 @@ class Stretches(NamedTuple):
     """How columns are divided into stretches."""
 
     is_last: NDArray[np.bool_]
-    """[T, E], whether a stretch ends with the step; the last of each column's need not be noted."""
+    """[T, E], whether a stretch ends with the step; a column's last step need not be marked."""
     beyond: Floats
     """[T, E, n], gradient of W in s' where it ends; [0, 0, n] where all W are 0."""
     weights: Floats
-    """[T, E], `discount^i` of each step in its stretch, in the unit that J is wanted in."""
+    """[T, E], `discount^i` of each step in its stretch, in the unit of J."""
     discount: float
 
 
 def undivided(linearized: Linearized) -> Stretches:
-    """Each column one stretch, its rewards not discounted, nothing after it."""
+    """Each column as one stretch, with undiscounted rewards and no value after it."""
     shape, n = linearized.rewards.shape, linearized.reward_state.shape[-1]
     return Stretches(np.zeros(shape, np.bool_), np.zeros((0, 0, n)), np.ones(shape), 1.0)
 
@@ -97,11 +97,11 @@ def ascent_direction(
 
     Args:
         pi: the actor.
-        work: room for a pass over N rows.
+        work: arrays of a pass over N rows.
         mean, inverse: normalisation of its features [F].
         sources: the coordinate each feature depends on [F].
-        linearized: the steps it took.
-        stretches: how they are divided.
+        linearized: the actor's steps.
+        stretches: how the columns are divided.
         noise: e [N, m].
         gradient: the result.
     """

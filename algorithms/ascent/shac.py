@@ -6,14 +6,15 @@
     target  V' keeps a share of itself and takes the rest from V
     R       TD(lambda)'s return, of V'                               (algorithms.on_policy.values)
 
-Each update takes a window of T steps in E environments with a = tanh(mu(s) + sigma e), the noise e
-held: J is reparameterised, and sigma learned with the rest. A stretch of a window is what one
-episode has of it: h steps, then V', of an episode that runs out of time too, but c = 0 where the
-task has ended. Windows go on where the one before ended, and gradients stop there: a long episode
-is climbed in pieces short enough that the product of their Jacobians is not yet chaos.
+Each update takes a window of T steps in E environments with a = tanh(mu(s) + sigma e), with the
+noise e held constant: J is reparameterised, and sigma is learned with the rest. A stretch of a
+window is the part of one episode in it: h steps, then V', also for an episode that a time limit
+ends, but c = 0 where the task has ended. A window continues where the one before ended, and
+gradients stop there: a long episode is optimised in pieces that are short enough for the product of
+their Jacobians not to be chaotic.
 
-Where the task's rewards have no gradient, as on Acrobot, those of the window teach the actor
-nothing, and it climbs the value at their end alone, through the Jacobians of the steps: SHAC does
+Where the task's rewards have no gradient, as on Acrobot, the rewards of a window do not affect the
+actor, which then climbs only the value at their end, through the Jacobians of the steps: SHAC does
 not refuse such a task, but has less to learn from.
 
 Source: Xu et al. (2022), "Accelerated policy learning with parallel differentiable simulation", and
@@ -22,10 +23,10 @@ the authors' code, NVlabs/DiffRL, `algorithms/shac.py`. Differences:
 - the networks are those of every learner here (algorithms.networks.network), 64-64 ELU units for
   both, layer normalisation before the activation and not after it, small last layers; not 128-64-32
   and 64-64, with orthogonal first weights;
-- values have a unit that follows their targets, and J is in that unit; a sum over the window, not
-  its mean. So the bound on gradients' norms does not depend on the unit of rewards;
-- features are normalised by all that windows before the present one have seen;
-- each epoch of the critic is in an order of its own, and rows that fill no batch are left out;
+- values have a unit that follows their targets, and J is in that unit, and is a sum over the
+  window, not its mean. So the bound on gradients' norms does not depend on the unit of rewards;
+- features are normalised by the statistics of all earlier windows;
+- each epoch of the critic has its own order of rows, and rows that do not fill a batch are skipped;
 - log sigma lies within [-20, 2];
 - learning rates fall by timesteps, from window to window.
 """
@@ -70,11 +71,11 @@ from physics.kernels.compiled import compiled_fast
 
 BETAS = Betas(0.7, 0.95)
 LAST_RATE = 1e-5
-"""What learning rates fall to by the end of a run."""
+"""The learning rates at the end of a run."""
 
 
 class Means(NamedTuple):
-    """What an update saw."""
+    """The report of an update."""
 
     critic_loss: np.float64
     v_mean: np.float64
@@ -90,12 +91,12 @@ class SHAC:
     means: Sequence[str] = Means._fields
 
     def __init__(self, environment: Environment, config: SHACConfig) -> None:
-        """Of a task, with these settings."""
+        """Learn on this task, with these settings."""
         self._environment = environment
         self._config = config
 
     def look_ahead(self, networks: Networks, window: Window, scaling: Scaling) -> Outlook:
-        """The values V' of the states that steps led to, and what follows from them."""
+        """The values V' of the states that steps led to, their gradients and the returns."""
         values, returns = np.empty_like(window.rewards), np.empty_like(window.rewards)
         beyond = np.zeros((*values.shape, self._environment.state_size))
         evaluate_with_gradient(
@@ -111,7 +112,7 @@ class SHAC:
         return Outlook(returns, values, beyond)
 
     def learn(self, networks: Networks, window: Window, outlook: Outlook, moment: Moment) -> Report:
-        """Step the actor, then fit the critic, both against the target as it was."""
+        """Step the actor, then fit the critic, both with the target before the update."""
         norm, size = self._climb(networks, window, moment, outlook.beyond)
         lost = lost_of({"actor gradient": norm, "actor parameters": size})
         if lost:
@@ -126,7 +127,7 @@ class SHAC:
         return Report(Means(*map(np.float64, told)), lost)
 
     def change_unit(self, networks: Networks, change: UnitChange) -> None:
-        """The actor climbs what is in that unit."""
+        """Rescale the actor's moments, since it climbs J in that unit."""
         rescale_moments(networks.actor, np.float32(change.ratio))
 
     def _climb(
@@ -152,7 +153,7 @@ class SHAC:
     def _fit(
         self, networks: Networks, window: Window, moment: Moment, returns: Floats
     ) -> tuple[float, float, float]:
-        """Fit the critic and let the target follow; what `fit` returns."""
+        """Fit the critic and let the target follow; return as `fit`."""
         rate = self._rate(self._config.critic_rate, moment)
         how = epochs_of(
             moment, returns.size, self._config.critic_epochs, self._config.critic_batches, rate,
@@ -225,6 +226,6 @@ def build(
     timesteps: int,
     config: SHACConfig,
 ) -> WindowLearner:
-    """A cohort of SHAC runs, which have no use for weights."""
+    """A cohort of SHAC runs, which do not use the weights."""
     del weights
     return WindowLearner(environment, seeds, timesteps, config, SHAC(environment, config))

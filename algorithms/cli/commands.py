@@ -73,7 +73,7 @@ def train(
         Path | None, typer.Option(metavar="FILE", help="A new file for every measurement.")
     ] = None,
 ) -> None:
-    """Train runs that differ in their seed, all at once, and show how they get on."""
+    """Train runs that differ in their seed, all at once, and show their progress."""
     task = made(environment)
     usual = preset(algorithm, task.name)
     steps = usual.timesteps if timesteps is None else timesteps
@@ -93,7 +93,7 @@ def train(
 def diagnose(
     environment: Annotated[str, typer.Argument(help="The task: its name, or my_tasks.py:Arm.")],
     algorithm: Annotated[
-        str, typer.Option(help="What learns the policy; one that learns a policy.")
+        str, typer.Option(help="The algorithm that learns the policy.")
     ] = "hybrid-ddpg-robust",
     seeds: Seeds = 1,
     timesteps: Timesteps = None,
@@ -103,7 +103,7 @@ def diagnose(
         Path | None, typer.Option(metavar="FILE", help="A new file for every number.")
     ] = None,
 ) -> None:
-    """Train runs, then show where the simulator's gradients can help them and where not.
+    """Train runs, then show where the simulator's gradients can help them and where they cannot.
 
     With several seeds, the tables show medians.
     """
@@ -146,7 +146,7 @@ def trained(
     outcome: Outcome,
     curves: CurveFile | None,
 ) -> "Learner":
-    """Train to the end and show how it goes; raises typer.Exit where it cannot go on."""
+    """Train to the end and show the progress; raises typer.Exit if training cannot go on."""
     try:
         with display(console, title, timesteps, outcome) as show:
             learner = build()
@@ -168,7 +168,7 @@ def trained(
 def diagnosed(
     learner: "Learner", environment: "Environment", gamma: float | None, outcome: Outcome
 ) -> "dict[int, list[Finding]]":
-    """The findings of each run that reached its end; raises typer.Exit where there can be none."""
+    """The findings of each run that reached its end; raises typer.Exit if there can be none."""
     try:
         return {
             seed: algorithms.diagnose(environment, snapshot, gamma, seed)
@@ -181,20 +181,20 @@ def diagnosed(
 
 
 def discount(algorithm: str, environment: str, settings: dict[str, Any]) -> float | None:
-    """The gamma of a run with these settings; None where the algorithm has none."""
+    """The gamma of a run with these settings; None if the algorithm has none."""
     config = catalogue.find(algorithm).config_class()(**completed(algorithm, environment, settings))
     return getattr(config, "gamma", None)
 
 
 def complain_of_ends(outcome: Outcome) -> None:
-    """Say which runs ended early, and why."""
+    """Print which runs ended early, and why."""
     for end in outcome.ended.values():
         complain(f"seed {end.seed} {end.reason}")
     complain(f"{len(outcome.ended)} of {len(outcome.seeds)} runs ended early.")
 
 
 def made(environment: str) -> "Environment":
-    """The task; raises typer.BadParameter with what is wrong with it."""
+    """The task; raises typer.BadParameter with its mistakes."""
     try:
         return physics.as_task(environment)
     except ValueError as error:
@@ -209,7 +209,7 @@ def prepared(
     timesteps: int,
     settings: dict[str, Any],
 ) -> Callable[[], "Learner"]:
-    """What builds the learner; raises typer.BadParameter with what is wrong with the call."""
+    """A function that builds the learner; raises typer.BadParameter with the call's mistakes."""
     try:
         return algorithms.prepare(algorithm, environment, seeds, weights, timesteps, settings)
     except SettingsError as error:
@@ -235,7 +235,7 @@ def read_settings(pairs: list[str]) -> dict[str, Any]:
 
 
 def new_file(path: Path) -> Any:
-    """An open file that did not exist; raises typer.BadParameter where that cannot be."""
+    """Create and open a file; raises typer.BadParameter if it exists or cannot be created."""
     try:
         return path.open("x", encoding="utf-8", newline="")
     except FileExistsError:
@@ -249,5 +249,5 @@ def new_file(path: Path) -> Any:
 
 
 def complain(sentence: str) -> None:
-    """Say what went wrong, on standard error."""
+    """Print an error to standard error."""
     Console(stderr=True).print(sentence, style="red", markup=False, soft_wrap=True)

@@ -1,9 +1,9 @@
-"""Curve file: measurements as CSV, a row each, written as they come.
+"""Curve file: measurements as CSV, one row each, written as they are made.
 
     seed,timestep,return_mean,return_history,updates,jacobians,seconds,compile_seconds,
     <diagnostics by name>
 
-Numbers are written so that reading gives the same bits back; a number that does not exist is nan.
+Numbers are written so that reading returns the same bits; a number that does not exist is nan.
 """
 
 import csv
@@ -28,7 +28,7 @@ class CurveFile:
         self._diagnostics: list[str] | None = None
 
     def write(self, measurements: Iterable[Measurement]) -> None:
-        """Add a row for each, safe from the end of this process when this returns."""
+        """Add a row for each; on return, the rows survive the end of this process."""
         for m in measurements:
             if self._diagnostics is None:
                 self._diagnostics = list(m.diagnostics)

@@ -1,7 +1,7 @@
-"""Display: how a training shows in a terminal, in a log file, and when it has ended.
+"""Display: the progress of a training in a terminal and in a log file, and its summary.
 
-A display is a context in which a training runs; what it gives is told how far that has got, and
-shows it: a bar with the time left in a terminal, a line for every tenth of the way elsewhere.
+A display is a context in which a training runs. It yields a function that shows the progress: a bar
+with the time left in a terminal, a line for every tenth of the way elsewhere.
 """
 
 import time
@@ -16,7 +16,7 @@ from rich.table import Table
 from algorithms.cli.outcome import Outcome
 
 Show = Callable[[int], None]
-"""Told the timestep that all runs have reached."""
+"""Called with the timestep that all runs have reached."""
 COMPILING = "compiling kernels (minutes, the first time)"
 
 
@@ -73,10 +73,10 @@ def line_display(console: Console, title: str, timesteps: int, outcome: Outcome)
 
 
 class Clock:
-    """Tells the time left, from the pace since the first step was reported: kernels are then there.
+    """Estimates the time left, from the pace since the first report, when kernels are compiled.
 
     Attributes:
-        now: seconds, from any start.
+        now: a clock in seconds, with any origin.
     """
 
     now = staticmethod(time.monotonic)
@@ -87,7 +87,7 @@ class Clock:
         self._begun: tuple[float, int] | None = None
 
     def left_text(self, timestep: int) -> str:
-        """`ETA 1:23`; nothing where it is not known yet."""
+        """`ETA 1:23`; empty while it is not known."""
         now = self.now()
         if self._begun is None:
             self._begun = now, timestep
@@ -101,7 +101,7 @@ class Clock:
 
 
 def summary(outcome: Outcome) -> Table:
-    """A row a run, and the mean of all that were measured."""
+    """A row for each run, and the mean of all measured runs."""
     table = Table("seed", "timestep", "return_mean", "return_history", "seconds", "", box=None)
     for seed in outcome.seeds:
         early = outcome.ended.get(seed)

@@ -23,7 +23,7 @@ TITLES = {
     "target": "Critic's gradient beside its own target",
     "loss": "Share of the gradient loss in 1 % of the rows",
 }
-"""Of each diagnostic, in the order of the tables."""
+"""The title of each diagnostic, in the order of the tables."""
 
 
 def write(file: TextIO, by_seed: Mapping[int, Iterable[Finding]]) -> None:

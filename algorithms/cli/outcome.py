@@ -1,4 +1,4 @@
-"""Outcome: what the runs of one training have come to, as far as it has got."""
+"""Outcome: the results of the runs of one training so far."""
 
 from collections.abc import Iterable, Sequence
 
@@ -9,10 +9,10 @@ from algorithms.measurement import Measurement
 
 
 class Outcome:
-    """The latest of each run.
+    """The latest results of each run.
 
     Attributes:
-        seeds: all runs, also those that were not measured yet.
+        seeds: all runs, including those not measured yet.
         latest: by seed, its last measurement.
         ended: by seed, how it ended early.
     """
@@ -24,7 +24,7 @@ class Outcome:
         self.ended: dict[int, EarlyEnd] = {}
 
     def take(self, events: Iterable[Measurement | EarlyEnd]) -> list[Measurement]:
-        """Take in what a learner said; return the measurements in it."""
+        """Add a learner's events; return the measurements among them."""
         measured = []
         for event in events:
             if isinstance(event, Measurement):
@@ -40,7 +40,7 @@ class Outcome:
 
     @property
     def mean_text(self) -> str:
-        """How the runs stand on average: `mean return -151.3 (16 seeds)`."""
+        """The mean over the runs, as text: `mean return -151.3 (16 seeds)`."""
         returns = self.returns("return_mean")
         if not returns:
             return "nothing measured yet"

@@ -1,8 +1,8 @@
-"""Closed loop: rollouts of a policy with noise, and the exact gradient of what they earn.
+"""Closed loop: rollouts of a policy with noise, and the exact gradient of their returns.
 
     a_t = pi(s_t) + w_t,    s_{t+1} = f(s_t, a_t),    R_H = sum over t < H of gamma^t r_t
 
-Backwards in time, with lambda the gradient of what is still to be earned (0 from the end on):
+Backwards in time, with lambda the gradient of the rewards to come (0 from the end on):
 
     q        = r_s' + gamma lambda_{t+1}
     by_a     = r_a + J_a' q
@@ -27,7 +27,7 @@ Controller = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 
 
 class Gradient(NamedTuple):
-    """Of a quantity of b states and actions."""
+    """The gradient of a quantity in b states and actions."""
 
     by_state: FloatArray
     """[b, n]"""
@@ -36,7 +36,7 @@ class Gradient(NamedTuple):
 
 
 class Rollouts(NamedTuple):
-    """Steps with their derivatives; those of a rollout from its end on are void."""
+    """Steps with their derivatives; those after a rollout's end are void."""
 
     states: FloatArray
     """[T, b, n]"""
@@ -57,7 +57,7 @@ class Rollouts(NamedTuple):
     reward_next: FloatArray
     """[T, b, n]"""
     lengths: IntArray
-    """[b], the steps that each rollout had."""
+    """[b], the number of steps of each rollout."""
 
     @property
     def is_live(self) -> BoolArray:
@@ -80,7 +80,7 @@ def roll_out(
         controller: the policy.
         starts: the first states.
         steps: T, at most.
-        noise: [T, b, m], added to the actions; None: none.
+        noise: [T, b, m], added to the actions; None for no noise.
 
     Raises:
         ValueError, ArithmeticError: as `Environment.differentiate`.

@@ -1,14 +1,15 @@
-"""Critic gradient: whether a critic's gradient is that of the value it stands for.
+"""Critic gradient: compares a critic's gradient with that of the value that it estimates.
 
     rollout      d Q_H^pi(s, a), through simulator and policy, until the task's end or the cut H
     bootstrapped dr + gamma c (dQ/ds' + dQ/da' dpi/ds') J                 the hybrid's own target
 
-A critic can agree with its own target and with nothing else, because the target has the critic's
-own errors. The rollout has none; it only lacks what is earned after the cut. The critic of sac
-stands for a stochastic policy and counts its entropy; the rollout follows the policy without noise.
+A critic can agree with its own target although both are wrong, because the target has the critic's
+own errors. The rollout has none; it only lacks the rewards after the cut. The critic of sac
+estimates the value of a stochastic policy, entropy included; the rollout follows the policy without
+noise.
 
-The hybrid's loss is the squared difference from the bootstrapped target, each row counting by its
-square. If few rows carry it, a batch's update is about those, whatever the others would teach.
+The hybrid's loss is the squared difference from the bootstrapped target, so each row counts by its
+square. If a few rows make up most of it, they dominate a batch's update.
 """
 
 from collections.abc import Callable
@@ -70,7 +71,10 @@ def directions(rows: FloatArray) -> FloatArray:
 
 
 def top_share(losses: FloatArray, share: float = 0.01) -> float:
-    """What the largest `share` of losses [b], at least one, are of their sum; NaN if it is 0."""
+    """The fraction of the sum that the largest `share` of losses [b] makes up; NaN if it is 0.
+
+    At least one loss is included.
+    """
     count = max(1, round(share * len(losses)))
     total = losses.sum()
     return float(np.sort(losses)[-count:].sum() / total) if total > 0 else float("nan")

@@ -1,14 +1,14 @@
-"""Diagnose: what explains where the simulator's gradients help a run, and where they cannot.
+"""Diagnose: measures where the simulator's gradients can help a run, and where they cannot.
 
     smoothing   bias and variance of the exact gradient           (.smoothing)
     growth      norms of products of closed-loop Jacobians        (.growth)
     kinks       steps that cross from one smooth piece to another (.kinks)
     critic      the critic's gradient beside the rollout's
     target      the same beside its own bootstrapped target       (both: .critic_gradient)
-    loss        what a hundredth of a batch carries of its gradient loss
+    loss        the share of a batch's gradient loss in a hundredth of its rows
 
-All are taken along episodes of the run's deterministic policy. Gradients in states are in units of
-each coordinate's spread in training, and without the coordinates that no network sees.
+All are measured along episodes of the run's deterministic policy. Gradients in states are in units
+of each coordinate's spread in training, and without the coordinates that no network sees.
 """
 
 import numpy as np
@@ -36,10 +36,10 @@ from physics.randomness import generator
 HORIZONS = (1, 2, 4, 8, 16, 32)
 NOISES = (0.05, 0.2)
 CUTS = (1, 4, 16, 64, 256)
-"""Horizons of the rollouts that a critic's gradient is held against."""
+"""Horizons of the rollouts with which a critic's gradient is compared."""
 EPISODES, STATES, PAIRS, BATCH = 8, 16, 64, 1024
 BATCH_NOISE = 0.2
-"""Of a batch's actions, as a replay's have some: the parameter noise of ddpg seeks as much."""
+"""The noise of a batch's actions, as in a replay: the aim of ddpg's parameter noise."""
 
 
 def diagnose(
@@ -52,13 +52,14 @@ def diagnose(
 
     Args:
         environment: a task: a name that `physics.make` takes, a class or an instance.
-        snapshot: what the run has learned: `Learner.snapshot`.
-        gamma: the run's discount; None, or a run without a critic: no findings about a critic.
-        seed: of the episodes and the noise. The same seed gives the same findings.
+        snapshot: the result of the run, from `Learner.snapshot`.
+        gamma: the run's discount. If it is None or the run has no critic, there are no findings
+            about a critic.
+        seed: the seed of the episodes and the noise. The same seed gives the same findings.
 
     Raises:
         ValueError: for an unknown task.
-        NotFiniteError, UnsolvedStepError: where a step has no derivatives, or no solution.
+        NotFiniteError, UnsolvedStepError: if a step has no derivatives, or no solution.
     """
     task = physics.as_task(environment)
     with one_thread():
@@ -78,7 +79,7 @@ def diagnose(
 
 
 def starts(environment: Environment, seed: int) -> FloatArray:
-    """The start states of the episodes, or raise what drawing one raised."""
+    """The start states of the episodes. Raises the error of drawing one."""
     purposes = [(seed, "diagnostics: episode", i) for i in range(EPISODES)]
     states, failures = start_states(environment, purposes)
     for error in failures.values():
@@ -169,7 +170,7 @@ def of_loss(
     unit: FloatArray,
     seed: int,
 ) -> list[Finding]:
-    """What the top hundredth of the rows carries of each part of the L2 gradient loss."""
+    """The share of the top hundredth of the rows in each part of the L2 gradient loss."""
     chosen, _ = policy(states)
     draws = generator(seed, "diagnostics: batch")
     actions = np.clip(chosen + BATCH_NOISE * draws.standard_normal(chosen.shape), -1.0, 1.0)

@@ -1,4 +1,4 @@
-"""Finding: one number of a diagnosis, and what it is the number of."""
+"""Finding: one number of a diagnosis, with its meaning."""
 
 from typing import NamedTuple
 
@@ -6,7 +6,7 @@ from typing import NamedTuple
 class Finding(NamedTuple):
     """One number.
 
-    A horizon or a noise that does not apply is None.
+    The horizon or the noise is None where it does not apply.
     """
 
     diagnostic: str
@@ -15,5 +15,5 @@ class Finding(NamedTuple):
     horizon: int | None
     """Steps."""
     noise: float | None
-    """Standard deviation of each action's."""
+    """Standard deviation of the noise of each action."""
     value: float

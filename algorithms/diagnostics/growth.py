@@ -2,9 +2,9 @@
 
     A_t = J_s + J_a dpi/ds,    P = A_{t+H-1} ... A_t = d s_{t+H} / d s_t
 
-The norm of P bounds how a gradient that goes back H steps is stretched. If it grows by a factor
-each step, the system is chaotic under this policy, and the variance of the exact gradient of a long
-return grows by the square of that factor, whatever the derivatives' exactness.
+The norm of P bounds how much a gradient grows over H steps backwards. If the norm grows by a factor
+in each step, the system is chaotic under this policy, and the variance of the exact gradient of a
+long return grows by the square of that factor, however exact the derivatives are.
 
 Source: Metz et al. (2021), "Gradients are not all you need".
 """
@@ -17,11 +17,11 @@ from algorithms.diagnostics.closed_loop import Rollouts
 from physics.environment import FloatArray
 
 WINDOWS = 512
-"""At most as many norms of each horizon."""
+"""The largest number of norms for each horizon."""
 
 
 def closed_loop_jacobians(rollouts: Rollouts, units: FloatArray) -> FloatArray:
-    """A_t [T, b, C, C] in the coordinates of which `units` [n] is not 0, each in its unit."""
+    """A_t [T, b, C, C] in the coordinates whose `units` [n] are not 0, each in its unit."""
     jacobians = rollouts.state_jacobian + rollouts.action_jacobian @ rollouts.policy_jacobian
     seen = np.flatnonzero(units)
     kept = jacobians[:, :, seen[:, None], seen]
@@ -36,8 +36,8 @@ def product_norms(
 
     Args:
         jacobians: A_t [T, b, C, C].
-        lengths: of the episodes [b].
-        horizons: H, each; those longer than all episodes have no norms.
+        lengths: the lengths of the episodes [b].
+        horizons: the values of H; those longer than all episodes have no norms.
     """
     norms = {}
     for horizon in horizons:

@@ -1,7 +1,7 @@
 """Kinks: how often a policy's episodes cross from one smooth piece of the task's map to another.
 
-The derivative of a step knows nothing of what lies on the other side of a kink. A task names its
-pieces (`Environment.pieces`): sides of clips, turns of angles, contacts that touch, stick or slide.
+The derivative of a step has no information about the other side of a kink. A task names its pieces
+(`Environment.pieces`): sides of clips, turns of angles, contacts that touch, stick or slide.
 """
 
 import numpy as np

@@ -23,7 +23,7 @@ from physics.kernels.compiled import compiled_fast
 
 
 class Inputs(NamedTuple):
-    """What a network sees of some states, and its slopes."""
+    """The inputs of a network for some states, and their slopes."""
 
     x: NDArray[np.float32]
     """[b, F], normalised."""
@@ -35,7 +35,7 @@ class LearnedPolicy:
     """The deterministic policy of a run, a `Controller`."""
 
     def __init__(self, environment: Environment, snapshot: Snapshot) -> None:
-        """Take the policy of a snapshot that was trained on this task."""
+        """Use the policy of a snapshot that was trained on this task."""
         self._environment = environment
         self._snapshot = snapshot
 
@@ -53,7 +53,7 @@ class LearnedCritic:
     """The gradient of a run's critic."""
 
     def __init__(self, environment: Environment, snapshot: Snapshot, critic: Critic) -> None:
-        """Take the critic of a snapshot that was trained on this task."""
+        """Use the critic of a snapshot that was trained on this task."""
         self._environment = environment
         self._snapshot = snapshot
         self._critic = critic
@@ -71,7 +71,7 @@ class LearnedCritic:
 
 
 def inputs(environment: Environment, snapshot: Snapshot, states: FloatArray) -> Inputs:
-    """What the networks of a snapshot see of states [b, n]."""
+    """The inputs of a snapshot's networks for states [b, n]."""
     features, policy = environment.features(states), snapshot.policy
     x = np.clip((features.astype(np.float32) - policy.mean) * policy.inverse, -CLIP, CLIP)
     slopes = environment.feature_slopes(features) * policy.inverse * (np.abs(x) < CLIP)

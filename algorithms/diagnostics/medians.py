@@ -10,7 +10,7 @@ import numpy as np
 from algorithms.diagnostics.finding import Finding
 
 Name = tuple[str, str, int | None, float | None]
-"""All of a finding but its value: diagnostic, quantity, horizon, noise."""
+"""A finding without its value: diagnostic, quantity, horizon, noise."""
 Medians = dict[Name, float]
 
 

@@ -1,4 +1,4 @@
-"""Smoothing: bias and variance of the exact gradient of a return that noise smooths.
+"""Smoothing: bias and variance of the exact gradient of a return smoothed by noise.
 
     F(v) = E_w[R_H(w)],    a_0 = pi(s_0) + v + w_0,    a_t = pi(s_t) + w_t,    w ~ N(0, noise^2)
 
@@ -8,10 +8,10 @@ of w_0 alone and share the noise of all later actions (common random numbers):
     exact        g1 = 1/2 (dR/dw_0 at w+  +  dR/dw_0 at w-)
     zeroth-order g0 = (R(w+) - R(w-)) w_0 / (2 noise^2)
 
-The mean of g0 is dF/dv whatever R is (Stein's identity). The mean of g1 is only that if R is
-continuous: at a jump, such as a termination or a contact that is made or missed, it lacks what the
-jump contributes. Where R is continuous but stiff, g1 is right and its variance may exceed that of
-g0.
+The mean of g0 is dF/dv for any R (Stein's identity). The mean of g1 is dF/dv only if R is
+continuous: at a jump, such as a termination or a contact that is made or missed, it lacks the
+jump's contribution. Where R is continuous but stiff, g1 is right and its variance may exceed that
+of g0.
 
 From N pairs in a state, with d = g1 - g0 of the same pair,
 
@@ -20,8 +20,8 @@ From N pairs in a state, with d = g1 - g0 of the same pair,
     std^2        tr var(g), of one pair
     norm^2       |mean g0|^2 - tr var(g0) / N,   of dF/dv
 
-each averaged over the states. A bias below the resolution is not told from 0 by these pairs. A
-square that comes out negative is reported as 0.
+each averaged over the states. These pairs cannot distinguish a bias below the resolution from 0. A
+negative estimate of a square is reported as 0.
 
 Sources: Suh et al. (2022), "Do differentiable simulators give better policy gradients?"; Pang et
 al. (2023), "Global planning for contact-rich manipulation via local smoothing of quasi-dynamic
@@ -44,9 +44,9 @@ class Smoothing(NamedTuple):
     horizon: int
     noise: float
     norm: float
-    """Of the gradient of the smoothed return."""
+    """Norm of the gradient of the smoothed return."""
     bias: float
-    """Of the exact estimate."""
+    """Bias of the exact estimate."""
     resolution: float
     exact_std: float
     zeroth_std: float
@@ -68,7 +68,7 @@ def smoothing(
         environment: the task.
         controller: the policy.
         states: where the rollouts start.
-        horizons: H, each.
+        horizons: the values of H.
         noise: standard deviation of each action's.
         pairs: N, of each state.
         seed: of the noise.
@@ -99,7 +99,7 @@ def estimates(
         environment: the task.
         controller: the policy.
         state: where the rollouts start.
-        horizons: H, each.
+        horizons: the values of H.
         noise: w+ of each pair [T, N, m].
         scale: its standard deviation.
     """
@@ -143,5 +143,5 @@ def variance(estimates: FloatArray) -> float:
 
 
 def root(square: float) -> float:
-    """The square root, 0 of what is negative."""
+    """The square root; 0 for a negative number."""
     return float(np.sqrt(max(square, 0.0)))

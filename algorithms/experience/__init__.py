@@ -1,1 +1,1 @@
-"""Experience: what runs live through, keep and are measured by."""
+"""Experience: the steps of runs, the replay of transitions, and evaluation."""

@@ -27,10 +27,10 @@ def episode_returns(
 ) -> tuple[FloatArray, Failures]:
     """The returns [K] of one episode of each policy, from the start states [K, n].
 
-    An episode that the task has ended earns nothing more.
+    After the task has ended an episode, its rewards are 0.
 
     Returns:
-        The returns, void for policies that failed; and how these failed.
+        The returns, void for policies that failed; and the failures.
     """
     played, failures = play(environment, policies, starts)
     return played.returns, failures
@@ -39,7 +39,7 @@ def episode_returns(
 def play(
     environment: Environment, policies: Policies, starts: FloatArray
 ) -> tuple[Played, Failures]:
-    """The same with the number of steps that each episode had."""
+    """As `episode_returns`, with the number of steps of each episode."""
     states = starts
     returns, steps = np.zeros(len(starts)), np.zeros(len(starts), np.int64)
     running = np.ones(len(starts), np.bool_)

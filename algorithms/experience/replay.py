@@ -1,4 +1,4 @@
-"""Replay: the transitions of one run, and batches of them as the networks take them.
+"""Replay: the transitions of one run, and batches of them as inputs of the networks.
 
 A transition keeps, besides `(features, action, reward, next features, not terminated)`, two things
 for learners that match gradients, both with respect to z = (seen coordinates of s, a):
@@ -6,13 +6,13 @@ for learners that match gradients, both with respect to z = (seen coordinates of
     dr [C + m]        the total derivative of the reward,  dr/dz + dr/ds' ds'/dz
     J  [F, C + m]     d features(s') / dz, the Jacobian already multiplied by the features' slopes
 
-Keeping them costs `4 (F + 1)(C + m)` bytes a transition: 1,020 of 1,268 on the cheetah, 48 of 100
-on the pendulum. Working them out again from the states would cost 64 simulator steps an update:
-0.92 ms on the cheetah, whose update takes 0.22 ms, and 0.012 ms on the pendulum (0.17 ms). So they
-are kept, and memory is bounded by how many runs a worker takes at once (`algorithms.memory`).
+Storing them costs `4 (F + 1)(C + m)` bytes per transition: 1,020 of 1,268 on the cheetah, 48 of 100
+on the pendulum. Recomputing them from the states would cost 64 simulator steps per update: 0.92 ms
+on the cheetah, whose update takes 0.22 ms, and 0.012 ms on the pendulum (0.17 ms). So they are
+stored, and the number of runs that a worker takes at once bounds the memory (`algorithms.memory`).
 
-A checkpoint is another matter: it keeps states and actions alone (the journal), from which
-everything here is worked out again once.
+A checkpoint, however, holds only states and actions (the journal), from which everything here is
+recomputed once.
 
 Glossary: `N` capacity, `F` features, `C` seen coordinates, `m` actions, `n` state size, `B` rows.
 """
@@ -38,7 +38,7 @@ from physics.environment import Environment
 from physics.kernels.compiled import compiled_fast
 
 REFILL_ROWS = 4096
-"""Transitions computed at once from a journal: few enough to need little memory."""
+"""The number of transitions that are recomputed at once from a journal, to limit memory."""
 
 
 class Memory(NamedTuple):
@@ -84,7 +84,7 @@ class Batch(NamedTuple):
 def empty_memory(
     capacity: int, environment: Environment, coordinates: Coordinates, *, linearized: bool
 ) -> Memory:
-    """Room for `capacity` transitions; the system hands out its pages as they are filled."""
+    """Memory for `capacity` transitions; the system allocates its pages as they are filled."""
     feature_size, action_size = environment.feature_size, environment.action_size
     columns = coordinates.seen.size + action_size
     kept = capacity if linearized else 0
@@ -105,8 +105,8 @@ class Replay:
 
     Attributes:
         memory: the transitions; the first `size` are filled.
-        states: float64 [N, n], the states they began in.
-        count: how many transitions there were, those that had to make room included.
+        states: float64 [N, n], the states before the transitions.
+        count: how many transitions were added, including those overwritten since.
     """
 
     def __init__(self, memory: Memory, state_size: int) -> None:
@@ -122,11 +122,11 @@ class Replay:
 
     @property
     def nbytes(self) -> int:
-        """Bytes it takes when it is full."""
+        """Its size in bytes when it is full."""
         return self.states.nbytes + sum(part.nbytes for part in self.memory)
 
     def extend(self, transitions: Memory, states: NDArray[np.float64]) -> None:
-        """Add transitions; once full, in the place of the oldest."""
+        """Add transitions; a full replay overwrites its oldest ones."""
         rows = (self.count + np.arange(len(states))) % len(self.memory.rewards)
         for kept, new in zip(self.memory, transitions, strict=True):
             if len(kept):
@@ -135,7 +135,7 @@ class Replay:
         self.count += len(states)
 
     def refill(self, count: int, journal: State, work_out: Callable[[State], Memory]) -> None:
-        """Hold what a journal of the latest of `count` transitions tells, `work_out` of it."""
+        """Fill the replay with `work_out(journal)`, the latest of `count` transitions."""
         kept = min(len(journal["states"]), len(self.memory.rewards))
         self.count = count - kept
         for start in range(-kept, 0, REFILL_ROWS):
@@ -144,7 +144,7 @@ class Replay:
             self.extend(work_out(rows), rows["states"])
 
     def journal(self, start: int) -> State:
-        """What the transitions from number `start` on can be recomputed from, if still held."""
+        """The journal of the transitions from number `start` on that are still held."""
         oldest = max(start, self.count - self.size)
         rows = np.arange(oldest, self.count) % len(self.memory.rewards)
         return {
@@ -158,7 +158,7 @@ def check_finite(transitions: Memory) -> None:
     """Refuse transitions with a NaN or an infinity, such as a reward beyond float32.
 
     Raises:
-        NotFiniteQuantityError: naming the first field that has one.
+        NotFiniteQuantityError: with the name of the first such field.
     """
     for name, part in zip(Memory._fields, transitions, strict=True):
         if not np.isfinite(part).all():
@@ -167,7 +167,7 @@ def check_finite(transitions: Memory) -> None:
 
 @compiled_fast
 def new_batch(memory: Memory, rows: int) -> Batch:
-    """Room for a batch of `rows` transitions."""
+    """An empty batch of `rows` transitions."""
     kind = memory.rewards.dtype
     features, actions = memory.features.shape[1], memory.actions.shape[1]
     columns = memory.reward_gradients.shape[1]
@@ -210,7 +210,7 @@ def draw_derivatives(
     """Fill in the derivatives, after `draw`; those of `next_x` are 0 where it is clipped.
 
     Normalised: rewards by the unit of Q, coordinates and features by their standard deviations.
-    Each row gets those of the transition that `shift` rows further was drawn: 0, its own.
+    Each row gets those of the transition drawn `shift` rows further; 0 for its own.
     """
     features, columns = batch.x.shape[1], batch.reward_gradients.shape[1]
     real = batch.x.dtype.type

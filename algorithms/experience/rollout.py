@@ -1,6 +1,6 @@
 """Rollout: the ongoing episodes of a cohort, stepped together.
 
-Each run's episodes start in states of its own: episode i of a run is drawn from the generator of
+Each run's episodes have their own start states: that of episode i is drawn from the generator of
 (seed, "episode", i). A time limit truncates: the episode ends, but the task has not.
 """
 
@@ -33,7 +33,7 @@ class Experience(NamedTuple):
 def start_states(
     environment: Environment, purposes: Sequence[tuple[int, str, int]]
 ) -> tuple[FloatArray, Failures]:
-    """A start state for each (seed, purpose, index); void where drawing it failed, and how."""
+    """A start state for each (seed, purpose, index), void where drawing it failed; the failures."""
     seeds = np.array([generator(*purpose).integers(2**63) for purpose in purposes], np.int64)
     states, failures = call_rows(environment.initial_states, seeds)
     return np.zeros((len(seeds), environment.state_size)) if states is None else states, failures
@@ -59,10 +59,10 @@ class Rollout:
 
         Args:
             environment: the task.
-            coordinates: of its features.
-            seeds: of the runs.
-            linearized: whether each step's derivatives are wanted.
-            time_limit_is_terminal: whether running out of time counts as the task's end.
+            coordinates: the coordinates of its features.
+            seeds: the seeds of the runs.
+            linearized: whether to compute each step's derivatives.
+            time_limit_is_terminal: whether a time limit counts as the task's end.
         """
         self._environment = environment
         self._coordinates = coordinates
@@ -85,7 +85,7 @@ class Rollout:
         self._failures = failures_of(self._failures, kept)
 
     def state(self, k: int) -> State:
-        """Where run k is in which of its episodes."""
+        """The number of run k's episode, its elapsed steps and its state."""
         return {
             "episodes": np.array(self.episodes[k]),
             "elapsed": np.array(self._elapsed[k]),
@@ -99,7 +99,7 @@ class Rollout:
         self._states[k] = state["state"]
 
     def work_out(self, journal: State) -> Memory:
-        """The transitions of a replay's journal, with the bits that they had at first."""
+        """The transitions of a replay's journal, with the same bits as originally."""
         states, actions = journal["states"], journal["actions"]
         lived = self._empty(len(states))
         lived.features[:] = self._environment.features(states)
@@ -116,7 +116,7 @@ class Rollout:
     ) -> list[Experience | Exception]:
         """Take `steps` steps in every run; call `begin(k)` whenever run k begins an episode.
 
-        A run in which something raises has no experience but that error, now and later.
+        For a run in which something raises, the result is that error, now and later.
         """
         environment, runs = self._environment, len(self._seeds)
         taken = self._empty(steps * runs)
@@ -141,7 +141,7 @@ class Rollout:
         ]
 
     def _advance(self, states: FloatArray, actions: FloatArray) -> Transition | Linearization:
-        """Step the states, with the derivatives where they are wanted."""
+        """Step the states, with derivatives if `linearized`."""
         if self._linearized:
             return self._environment.differentiate(states, actions)
         return self._environment.step(states, actions)
@@ -153,7 +153,7 @@ class Rollout:
         taken: Memory,
         begin: Callable[[int], None],
     ) -> FloatArray:
-        """Note a step of every run in `rows` of `taken`; return the features to act on next."""
+        """Store a step of every run in `rows` of `taken`; return the features to act on next."""
         environment = self._environment
         transition = self._note(steps, rows, taken)
         self._elapsed += 1
@@ -173,7 +173,7 @@ class Rollout:
         return features
 
     def _note(self, steps: Transition | Linearization, rows: slice, taken: Memory) -> Transition:
-        """Note the derivatives, if there are any, in `rows` of `taken`; return the transition."""
+        """Store the derivatives, if any, in `rows` of `taken`; return the transition."""
         if isinstance(steps, Transition):
             return steps
         rewards, jacobians = fold(self._environment, self._coordinates, steps)

@@ -1,9 +1,9 @@
-"""From a simulator's derivatives to what replay keeps of them.
+"""Converts a simulator's derivatives to those that the replay stores.
 
     dr = dr/dz + dr/ds' ds'/dz,      J = diag(slopes(s')) ds'/dz        z = (seen coordinates, a)
 
 Row i of J belongs to feature i of s', and is the row of its one source coordinate times its slope.
-Coordinates that no network sees have no column: the critic has no gradient there to be taught.
+Coordinates that no network sees have no column: the critic has no gradient there to be matched.
 """
 
 import numpy as np

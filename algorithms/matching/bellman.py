@@ -3,8 +3,8 @@
     Qhat  = r + gamma c Q'(s', pi'(s'))                                           c = 1 - terminated
     dQhat = dr/dz + dr/ds' J + gamma c (dQ'/ds' + dQ'/da' dpi'/ds') J             z = (s, a)
 
-Both in normalised units (algorithms.networks.scaling), both constants to the critic's loss. Of
-several Q', the least at (s', a') stands for all, as does its gradient.
+Both are in normalised units (algorithms.networks.scaling), and both are constants in the critic's
+loss. Of several Q', the least at (s', a') is used, with its gradient.
 
 Source: "D3PG: Deep Differentiable Deterministic Policy Gradients" (2019), equation 2, with the
 terminal factor c that it leaves out.
@@ -36,7 +36,7 @@ def target_value(
     next_actions: Array,
     value: Array,
 ) -> None:
-    """The normalised target `value [B]`; leaves all target networks' passes in the work arrays."""
+    """Fill the normalised target `value [B]` and the passes of all target networks."""
     network.receive(actor_work, batch.next_x)
     actor.choose(actor_target, actor_work, next_actions)
     least_value(critic_targets, batch.next_x, next_actions, critic_works, value)
@@ -54,7 +54,7 @@ def target_gradient(
     next_actions: Array,
     result: Array,
 ) -> None:
-    """The normalised target gradient [B, C + m], after `target_value` with the same arrays."""
+    """Fill the normalised target gradient [B, C + m], after `target_value` with the same arrays."""
     least_gradient(critic_targets, critic_works)
     by_input = critic_works[0].x_bar
     through_policy(actor_target, batch, gamma, actor_work, by_input, next_actions, result)
@@ -70,7 +70,7 @@ def through_policy(
     next_actions: Array,
     result: Array,
 ) -> None:
-    """The target gradient from that of Q' in its inputs, `by_input [B, F + m]`."""
+    """Fill the target gradient from that of Q' in its inputs, `by_input [B, F + m]`."""
     features = batch.x.shape[1]
     actor.pull_back(next_actions, by_input, features, actor_work)
     network.backward_to_input(actor_target, actor_work)
@@ -84,7 +84,7 @@ def through_policy(
 def least_value(
     critics: tuple[Parameters, ...], x: Array, actions: Array, works: tuple[Pass, ...], value: Array
 ) -> None:
-    """The least Q [B] of the critics at features `x [B, F]` and actions [B, m]."""
+    """Fill the least Q [B] of the critics at features `x [B, F]` and actions [B, m]."""
     value[:] = np.inf
     for k in range(len(critics)):
         join(x, actions, works[k].x)
@@ -95,7 +95,7 @@ def least_value(
 
 @compiled_fast
 def least_gradient(critics: tuple[Parameters, ...], works: tuple[Pass, ...]) -> None:
-    """The input gradient of the least Q, into the first `x_bar`, after `least_value`."""
+    """Write the input gradient of the least Q into the first `x_bar`, after `least_value`."""
     for k in range(len(critics)):
         for row in range(works[k].x.shape[0]):
             works[k].out_bar[row, 0] = is_least(works, row, k)
@@ -109,7 +109,7 @@ def least_gradient(critics: tuple[Parameters, ...], works: tuple[Pass, ...]) -> 
 
 @compiled_fast
 def is_least(works: tuple[Pass, ...], row: int, k: int) -> Any:
-    """Whether the row's least Q is that of critic k; of equal ones it is the first's."""
+    """Whether the row's least Q is that of critic k; of equal ones, the first counts."""
     own = works[k].out[row, 0]
     for other in range(len(works)):
         q = works[other].out[row, 0]
@@ -120,7 +120,7 @@ def is_least(works: tuple[Pass, ...], row: int, k: int) -> Any:
 
 @compiled_fast
 def back_up(batch: Batch, gamma: Any, scaling: Scaling, value: Array) -> None:
-    """Turn `value [B]`, of what follows, into `r + gamma c value`; both normalised."""
+    """Replace `value [B]` of the next states by `r + gamma c value`; both normalised."""
     for row in range(value.size):
         q = scaling.value_mean + scaling.value_std * value[row]
         raw = batch.rewards[row] + gamma * batch.continues[row] * q
@@ -129,7 +129,7 @@ def back_up(batch: Batch, gamma: Any, scaling: Scaling, value: Array) -> None:
 
 @compiled_fast
 def back_up_gradient(batch: Batch, gamma: Any, by_next: Array, result: Array) -> None:
-    """`dr + gamma c by_next J` [B, C + m], for the derivative by the next features [B, F]."""
+    """Fill `dr + gamma c by_next J` [B, C + m], for the derivative by the next features [B, F]."""
     for row in range(result.shape[0]):
         factor = gamma * batch.continues[row]
         for j in range(result.shape[1]):

@@ -23,7 +23,7 @@ from physics.kernels.compiled import compiled_fast
 
 
 class CriticWork(NamedTuple):
-    """Arrays that fitting a critic writes over."""
+    """Arrays that fitting a critic overwrites."""
 
     critic: Pass
     moved: Direction
@@ -36,7 +36,7 @@ class CriticWork(NamedTuple):
     direction: Array
     """[B, C + m]"""
     theta_gradient: Array
-    """[P], the loss's"""
+    """[P], the loss's gradient"""
 
 
 @compiled_fast
@@ -74,7 +74,7 @@ def fit(
     work: CriticWork,
     result: Parameters,
 ) -> tuple[Any, Any]:
-    """The value loss, and the gradient loss or 0; the gradient of their sum goes to `result`."""
+    """Return the value loss and the gradient loss or 0; their sum's gradient goes to `result`."""
     if losses.is_matched(matching):
         return matched_fit(q, batch, coordinates, matching, work, result)
     return value_fit(q, batch, work, result), work.value.dtype.type(0)
@@ -82,7 +82,7 @@ def fit(
 
 @compiled_fast
 def value_fit(q: Parameters, batch: Batch, work: CriticWork, result: Parameters) -> Any:
-    """The value loss; its gradient goes to `result`."""
+    """Return the value loss; its gradient goes to `result`."""
     join(batch.x, batch.actions, work.critic.x)
     network.forward(q, work.critic)
     loss = losses.value_loss(work.critic.out, work.value, work.critic.out_bar)
@@ -100,7 +100,7 @@ def matched_fit(
     work: CriticWork,
     result: Parameters,
 ) -> tuple[Any, Any]:
-    """The value loss and the gradient loss; the gradient of their sum goes to `result`."""
+    """Return the value loss and the gradient loss; their sum's gradient goes to `result`."""
     critic, moved = work.critic, work.moved
     own_gradient(q, batch, coordinates, work)
     value_loss = losses.value_loss(critic.out, work.value, moved.out_til)
@@ -120,7 +120,7 @@ def matched_fit(
 
 @compiled_fast
 def own_gradient(q: Parameters, batch: Batch, coordinates: Coordinates, work: CriticWork) -> None:
-    """Q, and its gradient with respect to z, at the batch."""
+    """Compute Q at the batch, and its gradient with respect to z."""
     join(batch.x, batch.actions, work.critic.x)
     network.forward(q, work.critic)
     work.critic.out_bar[:] = 1

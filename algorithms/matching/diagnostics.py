@@ -1,13 +1,14 @@
-"""Diagnostics: how well learning goes, above all whether the critic's gradient fits its target.
+"""Diagnostics: means over updates, and how well the critic's gradient fits its target.
 
-DDPG fits values and hopes that gradients fit as well; that they often do not is the paper's claim
-(section 3.2). So it is measured for every learner, on a batch from its replay, whatever its loss:
+DDPG fits values, and assumes that gradients fit as well; the paper claims that often they do not
+(section 3.2). So the fit is measured for every learner, whatever its loss, on a batch from its
+replay:
 
     cosine       mean over the batch of  cos(dQ, dQhat)
     norm ratio   median of |dQ| over median of |dQhat|
 
 each for the actions' part of the gradient and for the state's, in normalised units. Rows where a
-norm is 0 have no direction and are left out; where none is left the number is NaN.
+norm is 0 have no direction and are left out; if none is left, the number is NaN.
 """
 
 from collections.abc import Sequence
@@ -32,28 +33,28 @@ NO_AGREEMENT = {
         f"target_{part}_gradient_norm",
     )
 }
-"""What `agreement` gives where there is nothing to agree with."""
+"""The result of `agreement` where there are no gradients to compare."""
 
 
 class UpdateMeans:
-    """The means of what updates saw, since they were last taken.
+    """The means of the updates' reports since they were last taken.
 
     Attributes:
-        names: the fields of a report that are wanted.
+        names: the names of the fields of a report.
     """
 
     def __init__(self, names: Sequence[str]) -> None:
-        """Begin with none."""
+        """Begin without reports."""
         self.names = names
         self._cycles = np.empty((0, len(names)), np.float32)
 
     def add(self, report: Any) -> None:
-        """Take in a cycle's report, whose fields of these names are arrays [updates]."""
+        """Add a cycle's report, whose fields of these names are arrays [updates]."""
         cycle = [getattr(report, name).mean(dtype=np.float64) for name in self.names]
         self._cycles = np.vstack([self._cycles, np.array(cycle, np.float32)])
 
     def take(self) -> dict[str, float]:
-        """The means by name, NaN if there were no updates; start again from none."""
+        """Return the means by name, NaN if there were no updates, and start again."""
         cycles, self._cycles = self._cycles, self._cycles[:0]
         if not len(cycles):
             return dict.fromkeys(self.names, float("nan"))

@@ -6,27 +6,27 @@
                 1/B sum c (w1 rho^2 h(|dQ/da - dQhat/da| / rho) + w2 (1 - cos(dQ/ds, dQhat/ds)))
                                                                                           (robust)
 
-everything in normalised units. A gradient loss hands back `v = dL / d(dQ/dz)`; the gradient of L
-with respect to the parameters is then that of `v . dQ/dz`, v held (algorithms.networks.network).
+everything in normalised units. A gradient loss returns `v = dL / d(dQ/dz)`; the gradient of L with
+respect to the parameters is then that of `v . dQ/dz` for constant v (algorithms.networks.network).
 
 The robust loss is our own. The action's gradient, which the actor climbs, is matched in its size,
-with a bound on what one row can pull (pseudo-Huber, Charbonnier et al., 1997):
+with a bound on the influence of one row (pseudo-Huber, Charbonnier et al., 1997):
 
     h(x) = 2 (sqrt(1 + x^2) - 1),     rho = mean over the batch of |dQhat/da|
 
 which is the L2 loss for residuals below rho and grows like 2 rho |residual| beyond. The state's
 gradient, which recurs through the Jacobians, is matched in its direction alone. Rows at which the
-task ended, c = 0, are left out: their target has no gradient but the reward's.
+task ended, c = 0, are left out: their target has only the reward's gradient.
 
 The cosine of two short vectors fades to 0, and its derivative stays below 1 / EPSILON:
 
     cos(g, t) = g . t / (|g|' |t|'),    |x|' = sqrt(|x|^2 + EPSILON^2)
 
-so that a gradient which vanishes, as all do on Acrobot at first, teaches nothing. The paper's
-equation 3 has no EPSILON.
+so that a vanishing gradient, as all are on Acrobot at first, has no effect. The paper's equation 3
+has no EPSILON.
 
-No loop both sums and stores: whether such a loop may be vectorised is found out as it runs, from
-how far apart its arrays happen to lie, and a vectorised sum has other bits.
+No loop both sums and stores: whether such a loop is vectorised is decided as it runs, by the
+distance between its arrays, and a vectorised sum has other bits.
 """
 
 from typing import Any, NamedTuple
@@ -44,7 +44,7 @@ L2, COSINE, ROBUST = range(3)
 
 
 class Matching(NamedTuple):
-    """How gradients are matched."""
+    """The settings of gradient matching."""
 
     w1: np.float32
     """Weight of the action gradient."""
@@ -53,11 +53,11 @@ class Matching(NamedTuple):
     loss: int
     """L2 (Algorithm 1), COSINE (equation 3) or ROBUST."""
     shift: int
-    """How many rows further the derivatives come from: 0, or 1 for a placebo."""
+    """The shift of the rows from which derivatives are taken: 0, or 1 for a placebo."""
     is_aimed: bool
-    """Whether there is a target, not 0 for a placebo."""
+    """Whether there is a target; False for a placebo whose target is 0."""
     every: int
-    """Updates to each one that matches gradients; the others fit values alone."""
+    """One of this many updates matches gradients; the others only fit values."""
 
 
 def matching_of(
@@ -65,10 +65,9 @@ def matching_of(
 ) -> Matching:
     """Matching with the weights (w1, w2), in one of `every` updates.
 
-    A placebo has the cost and no information.
-
-    With "shuffled", each transition gets the derivatives of another; with "untargeted", the target
-    is 0, so that the gradient is only kept small.
+    A placebo has the same cost, but no information. With "shuffled", each transition gets the
+    derivatives of another one; with "untargeted", the target is 0, so that the gradient is only
+    kept small.
     """
     w1, w2 = np.float32(weights[0]), np.float32(weights[1])
     return Matching(w1, w2, loss, int(placebo == "shuffled"), placebo != "untargeted", every)
@@ -76,7 +75,7 @@ def matching_of(
 
 @compiled_fast
 def due(matching: Matching, done: int) -> Matching:
-    """The matching of the update that follows `done` others: the given one, or none."""
+    """The matching of the update after `done` others: the given one, or none."""
     if done % matching.every == 0:
         return matching
     none = np.float32(0)
@@ -91,14 +90,14 @@ def is_matched(matching: Matching) -> Any:
 
 @compiled_fast
 def blind(matching: Matching, target: Array) -> None:
-    """Set the target of the gradients to 0 where a placebo wants none."""
+    """Set the target of the gradients to 0 for a placebo without target."""
     if not matching.is_aimed:
         target[:] = 0
 
 
 @compiled_fast
 def value_loss(q: Array, target: Array, q_bar: Array) -> Any:
-    """The value loss of `q [B, 1]`; its derivative goes to `q_bar [B, 1]`."""
+    """Return the value loss of `q [B, 1]`; its derivative goes to `q_bar [B, 1]`."""
     rows = q.shape[0]
     real = q.dtype.type
     share = real(1) / real(rows)
@@ -134,7 +133,7 @@ def gradient_loss(
     matching: Matching,
     direction: Array,
 ) -> Any:
-    """The gradient loss of `gradient [B, C + m]`; its derivative goes to `direction`."""
+    """Return the gradient loss of `gradient [B, C + m]`; its derivative goes to `direction`."""
     w1, w2, end = matching.w1, matching.w2, gradient.shape[1]
     if matching.loss == L2:
         actions = squared_loss(gradient, target, seen, end, w1, direction)
@@ -222,7 +221,7 @@ def cosine_loss(
 ) -> Any:
     """The cosine loss of columns `first` to `end`: `dcos/dg = (t / |t|' - cos g / |g|') / |g|'`.
 
-    Over the rows where `rows_in [B]` is 1.
+    It covers the rows where `rows_in [B]` is 1.
     """
     rows = gradient.shape[0]
     real = gradient.dtype.type

@@ -4,8 +4,8 @@
     dQhat = dr/dz + dr/ds' J + gamma c dV'/ds' J                                          z = (s, a)
     Vhat  = min(Q1, Q2)(s, a~) - log pi(a~ | s)                                             a~ ~ pi
 
-All in normalised units (algorithms.networks.scaling), V in that of Q; all constants to the losses.
-The policy is not differentiated in dQhat: V' already holds what it is worth.
+All are in normalised units (algorithms.networks.scaling), V in that of Q, and all are constants in
+the losses. The policy is not differentiated in dQhat: V' already includes its value.
 
 Source: Haarnoja et al. (2018), equations 3 and 8; the gradient as in "D3PG: Deep Differentiable
 Deterministic Policy Gradients" (2019), appendix A.2.
@@ -32,7 +32,7 @@ def target_value(
     work: Pass,
     result: Array,
 ) -> None:
-    """The normalised Qhat [B]; leaves the pass of V' in `work`."""
+    """Fill the normalised Qhat [B], and `work` with the pass of V'."""
     network.receive(work, batch.next_x)
     network.forward(value_target, work)
     for row in range(result.size):
@@ -44,7 +44,7 @@ def target_value(
 def target_gradient(
     value_target: Parameters, batch: Batch, gamma: Any, work: Pass, result: Array
 ) -> None:
-    """The normalised dQhat [B, C + m], after `target_value` with the same arrays."""
+    """Fill the normalised dQhat [B, C + m], after `target_value` with the same arrays."""
     work.out_bar[:] = 1
     network.backward_to_input(value_target, work)
     bellman.back_up_gradient(batch, gamma, work.x_bar, result)

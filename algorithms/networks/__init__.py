@@ -1,1 +1,1 @@
-"""Networks: passes, derivatives, steps, and the units that they work in."""
+"""Networks: passes, derivatives, optimiser steps, and the units of their inputs and outputs."""

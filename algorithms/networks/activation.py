@@ -1,4 +1,4 @@
-# ruff: noqa: ARG001, ARG005  (every function takes y and h, whichever it needs)
+# ruff: noqa: ARG001, ARG005  (every function takes y and h, even if it needs only one)
 """The activations of hidden units, with their first and second derivatives.
 
     tanh   h = tanh y                      slope = 1 - h^2              bend = -2 h slope
@@ -7,15 +7,15 @@
     relu   h = max(y, 0)                   slope = 1, or 0              bend = 0
 
 slope is dh/dy and bend its derivative; s = 1 / (1 + e^-y), and silu's bend is
-s (1 - s) (2 + y (1 - 2 s)). tanh is the default: a smooth activation, because a hybrid trains the
-critic's input gradient. Under ReLU that is piecewise constant, and gradient terms could teach no
-bias.
+s (1 - s) (2 + y (1 - 2 s)). The default is tanh, a smooth activation, because a hybrid trains the
+critic's input gradient. With ReLU that gradient is piecewise constant, and gradient terms could not
+train biases.
 
-The exponentials come from the tanh that is vectorised (algorithms.networks.squash), with
+The exponentials are computed by the vectorised tanh (algorithms.networks.squash), with
 t = tanh(y / 2): s = (1 + t) / 2,   e^y - 1 = 2 t / (1 - t).
 
-An activation is a type, so that a network's kernels are compiled for the one it has: no unit asks
-which it is.
+An activation is a type, so that a network's kernels are compiled for its activation and no unit
+has to test which it is.
 
 Source: ELU, Clevert et al. (2015); SiLU, Elfwing et al. (2017).
 """

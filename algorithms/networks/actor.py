@@ -2,8 +2,8 @@
 
     a = tanh(out(x)),    outbar = abar (1 - a^2)
 
-A stochastic actor has as many outputs again, for the spread of its noise
-(algorithms.networks.gaussian); without noise it takes the first half alone.
+A stochastic actor has the same number of outputs again, for the spread of its noise
+(algorithms.networks.gaussian); without noise, it uses only the first half.
 """
 
 import numpy as np
@@ -51,8 +51,8 @@ def act_rows(
 ) -> None:
     """Let actor `theta[k]` act on `features[k]`, each row by itself.
 
-    Noise is that of a stochastic actor, which has a spread for each action, or is added to the
-    actions of a deterministic one, which stay within their bounds.
+    The noise is that of a stochastic actor, which has a spread for each action, or it is added to
+    the actions of a deterministic one, which stay within their bounds.
 
     Shapes: theta [K, P], mean, inverse and features [K, F], actions [K, m], noise [K, m], or [K, 0]
     for none.

@@ -1,7 +1,7 @@
 """Whether numbers are finite, in kernels that may reorder sums (`compiled_fast`).
 
 `numpy.isfinite(x)` compiles to a test of `x - x` for NaN, and where sums may be reordered, `x - x`
-is 0 whatever x is: the test is compiled to True. A comparison cannot be reordered.
+is 0 for every x: the test is compiled to True. A comparison cannot be reordered.
 """
 
 from typing import Any

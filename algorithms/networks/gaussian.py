@@ -1,14 +1,14 @@
-"""The tanh-Gaussian policy: what it samples, how likely that is, and gradients pulled back.
+"""The tanh-Gaussian policy: samples, their log probability, and gradients pulled back.
 
     a = tanh u,   u = mu + sigma noise,   (mu, log sigma) = the network's 2 m outputs
     log pi(a) = sum over actions of  -noise^2 / 2 - log sigma - log(2 pi) / 2 - log(1 - tanh^2 u)
 
-The last term in a form that neither overflows nor cancels, however large u is:
+The last term is computed in a form that neither overflows nor cancels, however large u is:
 
     log(1 - tanh^2 u) = 2 (log 2 - |u| - log(1 + exp(-2 |u|))),   derivative -2 tanh u
 
 `log sigma` is clipped to [-20, 2], and has no gradient beyond. For S(a, log pi), with the adjoints
-abar of a and lbar of log pi, the noise held (reparameterised):
+abar of a and lbar of log pi, and with constant noise (reparameterised):
 
     ubar = abar (1 - a^2) + 2 lbar a,   mubar = ubar,   (log sigma)bar = ubar sigma noise - lbar
 
@@ -40,7 +40,7 @@ def spread(log_sigma: Any) -> Any:
 
 @compiled_fast
 def sample(policy: Parameters, work: Pass, noise: Array, actions: Array, log_pi: Array) -> None:
-    """Actions [B, m] and their log pi [B], for the features in `work.x` and `noise [B, m]`."""
+    """Fill actions [B, m] and their log pi [B], for features in `work.x` and `noise [B, m]`."""
     network.forward(policy, work)
     rows, m = actions.shape
     real = actions.dtype.type

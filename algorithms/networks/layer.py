@@ -51,7 +51,7 @@ class Layer(NamedTuple):
 
 
 class Trace(NamedTuple):
-    """What a forward pass leaves."""
+    """The results of a forward pass."""
 
     n: Array
     """[B, H]"""
@@ -62,7 +62,7 @@ class Trace(NamedTuple):
 
 
 class Adjoint(NamedTuple):
-    """What a backward pass leaves."""
+    """The results of a backward pass."""
 
     h: Array
     """[B, H]; filled before the pass begins."""
@@ -71,7 +71,7 @@ class Adjoint(NamedTuple):
 
 
 class LayerTangent(NamedTuple):
-    """What a forward pass along a direction leaves."""
+    """The results of a forward pass along a direction."""
 
     z: Array
     """[B, H]"""
@@ -141,7 +141,7 @@ def backward(layer: Layer, activation: Activation, trace: Trace, adjoint: Adjoin
 def gradient(
     layer: Layer, activation: Activation, x: Array, trace: Trace, adjoint: Adjoint, result: Layer
 ) -> None:
-    """The gradient of S with respect to the layer's parameters, after `backward`."""
+    """Fill the gradient of S with respect to the layer's parameters, after `backward`."""
     np.dot(x.T, adjoint.z, result.weight)
     result.bias[:] = 0
     result.gain[:] = 0
@@ -161,7 +161,7 @@ def gradient(
 def tangent(
     layer: Layer, activation: Activation, trace: Trace, x_dot: Array, result: LayerTangent
 ) -> None:
-    """How the layer changes as its inputs move along `x_dot [B, I]`."""
+    """Fill the change of the layer as its inputs move along `x_dot [B, I]`."""
     np.dot(x_dot, layer.weight, result.z)
     n, h = trace.n, trace.h
     rows, units = n.shape
@@ -192,9 +192,9 @@ def second_backward(
     h_til: Array,
     result: Layer,
 ) -> None:
-    """Turn `h_til [B, H]` into ztil in place; the gradient but for `weight` goes to `result`.
+    """Turn `h_til [B, H]` into ztil in place; the gradient except `weight` goes to `result`.
 
-    The adjoint's h, read for the last time, takes q.
+    The adjoint's h, which is not read afterwards, is overwritten with q.
     """
     n, h = trace.n, trace.h
     rows, units = n.shape

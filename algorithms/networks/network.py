@@ -2,10 +2,10 @@
 
     out = h_L V + d,   h_k = layer_k(h_{k-1}),   h_0 = x                (algorithms.networks.layer)
 
-What a pass leaves lies in flat vectors, layer after layer, as the parameters do
+The results of a pass lie in flat vectors, layer after layer, like the parameters
 (algorithms.networks.shape); a layer's part is a view.
 
-Four passes, each filling arrays made once:
+There are four passes, each of which fills arrays that are allocated once:
 
     forward          out = f(x)
     backward         xbar = outbar df/dx, and the layers' adjoints;  `gradient` makes dS/dtheta
@@ -115,7 +115,7 @@ def of_layer(buffer: Array, rows: int, shape: Shape, k: int) -> Array:
 
 @compiled_fast
 def trace_of(a: Pass, shape: Shape, k: int) -> Trace:
-    """What the forward pass left of hidden layer k."""
+    """The results of the forward pass for hidden layer k."""
     rows = a.x.shape[0]
     return Trace(
         of_layer(a.n, rows, shape, k),
@@ -126,14 +126,14 @@ def trace_of(a: Pass, shape: Shape, k: int) -> Trace:
 
 @compiled_fast
 def adjoint_of(a: Pass, shape: Shape, k: int) -> Adjoint:
-    """What the backward pass left of hidden layer k."""
+    """The results of the backward pass for hidden layer k."""
     rows = a.x.shape[0]
     return Adjoint(of_layer(a.h_bar, rows, shape, k), of_layer(a.z_bar, rows, shape, k))
 
 
 @compiled_fast
 def tangent_of(d: Direction, shape: Shape, k: int) -> LayerTangent:
-    """What the tangent pass left of hidden layer k."""
+    """The results of the tangent pass for hidden layer k."""
     rows = d.x.shape[0]
     return LayerTangent(
         of_layer(d.z, rows, shape, k),
@@ -152,7 +152,7 @@ def layer_inputs(x: Array, h: Array, shape: Shape, k: int) -> Array:
 def receive(a: Pass, x: Array) -> None:
     """Copy the inputs `x [B, I]` into the pass.
 
-    Entry by entry: a slice's copy brings a check of shapes with it that takes longer to compile
+    It copies entry by entry: copying a slice adds a check of shapes that takes longer to compile
     than a network.
     """
     for i in range(x.shape[0]):
@@ -162,7 +162,7 @@ def receive(a: Pass, x: Array) -> None:
 
 @compiled_fast
 def forward(p: Parameters, a: Pass) -> None:
-    """`out = f(x)`."""
+    """Compute `out = f(x)`."""
     shape = p.shape
     layers = len(shape.hidden)
     for k in range(layers):
@@ -177,7 +177,7 @@ def forward(p: Parameters, a: Pass) -> None:
 
 @compiled_fast
 def backward(p: Parameters, a: Pass) -> None:
-    """The layers' adjoints, from `out_bar`."""
+    """Compute the layers' adjoints from `out_bar`."""
     shape = p.shape
     layers, rows = len(shape.hidden), a.x.shape[0]
     np.dot(a.out_bar, output_layer(p).weight.T, of_layer(a.h_bar, rows, shape, layers - 1))
@@ -190,14 +190,14 @@ def backward(p: Parameters, a: Pass) -> None:
 
 @compiled_fast
 def backward_to_input(p: Parameters, a: Pass) -> None:
-    """`x_bar`, and the layers' adjoints, from `out_bar`."""
+    """Compute `x_bar` and the layers' adjoints from `out_bar`."""
     backward(p, a)
     np.dot(adjoint_of(a, p.shape, 0).z, hidden_layer(p, 0).weight.T, a.x_bar)
 
 
 @compiled_fast
 def gradient(p: Parameters, a: Pass, result: Parameters) -> None:
-    """`d(outbar . out)/dtheta`, after `backward`."""
+    """Compute `d(outbar . out)/dtheta`, after `backward`."""
     shape = p.shape
     layers, last = len(shape.hidden), output_layer(result)
     np.dot(layer_inputs(a.x, a.h, shape, layers).T, a.out_bar, last.weight)
@@ -211,7 +211,7 @@ def gradient(p: Parameters, a: Pass, result: Parameters) -> None:
 
 @compiled_fast
 def tangent(p: Parameters, a: Pass, d: Direction) -> None:
-    """`out` of `d`: how f changes along `d.x`, after `forward`."""
+    """Compute `out` of `d`, the change of f along `d.x`, after `forward`."""
     shape = p.shape
     layers = len(shape.hidden)
     for k in range(layers):
@@ -224,7 +224,7 @@ def tangent(p: Parameters, a: Pass, d: Direction) -> None:
 
 @compiled_fast
 def second_backward(p: Parameters, a: Pass, d: Direction, result: Parameters) -> None:
-    """`d(outtil . out + outbar . outdot)/dtheta`, after `backward` and `tangent`."""
+    """Compute `d(outtil . out + outbar . outdot)/dtheta`, after `backward` and `tangent`."""
     shape = p.shape
     layers, rows, last = len(shape.hidden), a.x.shape[0], output_layer(result)
     np.dot(layer_inputs(a.x, a.h, shape, layers).T, d.out_til, last.weight)

@@ -36,7 +36,7 @@ class Learned(NamedTuple):
 
     theta: Array
     target: Array
-    """The slowly following copy; [0] where none is wanted."""
+    """The slowly following copy; [0] for a network without one."""
     m: Array
     v: Array
 
@@ -51,18 +51,18 @@ class Learned(NamedTuple):
 
 
 def learned(theta: NDArray[np.float32]) -> Learned:
-    """A network about to be trained, its target equal to it."""
+    """An untrained network, with a target equal to it."""
     return Learned(theta, theta.copy(), np.zeros_like(theta), np.zeros_like(theta))
 
 
 def learned_alone(theta: NDArray[np.float32]) -> Learned:
-    """A network about to be trained, without a target."""
+    """An untrained network without a target."""
     return Learned(theta, theta[:0].copy(), np.zeros_like(theta), np.zeros_like(theta))
 
 
 @compiled_fast
 def corrected(rate: float, update: int) -> Any:
-    """The step size that Adam's update number `update` (from 1 on) takes."""
+    """The step size of Adam's update number `update` (from 1 on)."""
     return corrected_for(USUAL, rate, update)
 
 
@@ -83,7 +83,7 @@ def decay(theta: Array, size: int, rate: Any, gradient: Array) -> None:
 def adam(network: Learned, gradient: Array, step: float) -> tuple[Any, Any]:
     """Step the network; return the squared norms of the gradient and of the new theta.
 
-    Either is not finite if any entry is not.
+    A norm is not finite if any entry is not.
     """
     return adam_for(USUAL, network, gradient, step)
 
@@ -108,7 +108,7 @@ def clipped_step(
     """Step the network down a gradient, shortened to the norm `bound` where it is longer.
 
     Returns:
-        The norm of the gradient as it was, float64, and the squared norm of the new theta. Where
+        The norm of the gradient before clipping, float64, and the squared norm of the new theta. If
         the former is not finite, nothing is changed.
     """
     norm = long_norm(gradient)
@@ -123,7 +123,7 @@ def clipped_step(
 
 @compiled_fast
 def long_norm(vector: Array) -> Any:
-    """`|vector|`, float64, so that no square is beyond its type."""
+    """`|vector|`, in float64, so that no square overflows."""
     square = 0.0
     for i in range(vector.size):
         square += np.float64(vector[i]) * np.float64(vector[i])
@@ -132,7 +132,7 @@ def long_norm(vector: Array) -> Any:
 
 @compiled_fast
 def squared_norm(vector: Array) -> Any:
-    """`|vector|^2`; a sum in a loop of its own (algorithms.matching.losses)."""
+    """`|vector|^2`; the sum has its own loop (algorithms.matching.losses)."""
     total = vector.dtype.type(0)
     for i in range(vector.size):
         total += vector[i] * vector[i]

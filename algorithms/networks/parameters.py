@@ -1,4 +1,4 @@
-"""The parameters of a network: views into a flat vector, and the first ones."""
+"""The parameters of a network: views into a flat vector, and initial values."""
 
 from typing import NamedTuple
 
@@ -41,7 +41,7 @@ class Output(NamedTuple):
 def initial_theta(shape: Shape, generator: np.random.Generator) -> NDArray[np.float32]:
     """Draw theta: hidden products Glorot-uniform, the last layer U(-0.003, 0.003), the rest 0 or 1.
 
-    A small last layer lets the actor begin near 0 and the critic near its mean (Lillicrap, 2015).
+    With a small last layer, the actor starts near 0 and the critic near its mean (Lillicrap, 2015).
     """
     theta = np.zeros(parameter_size(shape), np.float32)
     p = Parameters(theta, shape)
@@ -87,7 +87,7 @@ def output_layer(p: Parameters) -> Output:
 
 
 def first_outputs(theta: NDArray[np.float32], shape: Shape, outputs: int) -> NDArray[np.float32]:
-    """Theta of the same network with its first so many outputs alone."""
+    """Theta of the same network with only its first `outputs` outputs."""
     last = output_layer(Parameters(theta, shape))
     v, b, end = decayed_size(shape), bias_offset(shape), noisy_size(shape)
     return np.concatenate([

@@ -14,7 +14,7 @@ NEARLY_ONE = float(np.nextafter(np.float32(1), np.float32(0)))
 
 
 class Policy(NamedTuple):
-    """What one run's actor is made of: a network, the features' scale, and noise to act with."""
+    """The actor of one run: a network, the features' scale, and the noise of its actions."""
 
     theta: NDArray[np.float32]
     """[P]"""
@@ -23,7 +23,7 @@ class Policy(NamedTuple):
     inverse: NDArray[np.float32]
     """[F]"""
     noise: NDArray[np.float32]
-    """[T, m], a row for each of the next T steps; T = 0: none (networks.actor)."""
+    """[T, m], a row for each of the next T steps; T = 0 for no noise (networks.actor)."""
 
 
 def deterministic(

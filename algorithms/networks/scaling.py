@@ -1,20 +1,20 @@
-"""Normalisation: what the networks see, and the units in which gradients are matched.
+"""Normalisation: the inputs of the networks, and the units in which gradients are matched.
 
     xhat_i = clip((f_i - mean_i) / std_i, -5, 5)          features f of a state
     Qhat   = (Q - mean_Q) / std_Q                         the critic's output
     shat_j = s_j / std_j                                  coordinates, for gradients only
 
-Means and standard deviations of features are those of all states the run has seen, also of those
-that its replay has given up. `mean_Q` and `std_Q`, the unit of Q, start at the first rewards that
+Means and standard deviations of features are those of all states the run has seen, including those
+that its replay has dropped. `mean_Q` and `std_Q`, the unit of Q, start at the first rewards that
 are not 0, as
 
     mean_Q = mean(r),   std_Q = max(std(r), |mean(r)|)
 
-so that rewards which hardly vary, such as Acrobot's -1 a step, do not make the first targets
-enormous. They then follow the targets (algorithms.networks.value_scale). `std_Q` is never lower
-than the root mean square of all rewards so far: the targets of a constant reward come to be nearly
-constant, which would make the unit vanish and the first other reward enormous. So rewards
-multiplied by a constant are learned from alike, but for rounding.
+so that rewards which hardly vary, such as Acrobot's -1 per step, do not make the first targets very
+large. They then follow the targets (algorithms.networks.value_scale). `std_Q` is never lower than
+the root mean square of all rewards so far: the targets of a constant reward become nearly constant,
+which would make the unit vanish and the first other reward very large. So learning does not depend
+on a constant factor of the rewards, except for rounding.
 
 A gradient with respect to the normalised coordinates, of a quantity whose gradient in normalised
 features is g, is
@@ -23,7 +23,7 @@ features is g, is
 
 The spread of an angle theta with features (cos k theta, sin k theta) is that of its point on the
 circle, in radians: `std^2 = (var cos + var sin) / k^2`. It equals the angle's own standard
-deviation where that is small, knows no turn or wrap, and is never above 1/k.
+deviation where that is small, does not depend on turns or wraps, and is never above 1/k.
 
 Standard deviations of features have a floor of 0.001, ten times below that of MountainCar's
 velocity under a random policy (Baselines' floor is 0.1).
@@ -57,14 +57,14 @@ class Coordinates(NamedTuple):
     offset: NDArray[np.float32]
     """[F]"""
     limit: NDArray[np.float32]
-    """[F], from which on a feature is clipped, and its slope 0."""
+    """[F], the size at which a feature is clipped, with slope 0 from there on."""
 
 
 class Scaling(NamedTuple):
-    """The numbers of one moment, as the kernels take them."""
+    """The normalisation at one moment, in the form that kernels take."""
 
     mean: Array
-    """[F], of the features."""
+    """[F], the means of the features."""
     inverse: Array
     """[F], 1 / std of the features."""
     unit: Array
@@ -91,7 +91,7 @@ class Statistics:
     """Running mean and variance of the features of one run, and the scale of its Q.
 
     Attributes:
-        count: how many states were seen.
+        count: how many states have been seen.
         mean, squares: float64 [F], mean and sum of squared deviations of the features.
         reward_count, reward_sum, reward_squares: how many rewards were seen, their sum, and that of
             their squares.
@@ -114,15 +114,15 @@ class Statistics:
 
     @property
     def has_unit(self) -> bool:
-        """Whether rewards have shown what the unit of Q is."""
+        """Whether rewards have set the unit of Q."""
         return self.reward_squares > 0
 
     def observe(self, features: NDArray[np.float32]) -> None:
-        """Take in states' features [b, F]."""
+        """Add states' features [b, F] to the statistics."""
         self.count = observe_rows(features, self.count, self.mean, self.squares)
 
     def observe_rewards(self, rewards: NDArray[np.float64]) -> None:
-        """Take in rewards [b]; the first that are not all 0 set the unit of Q."""
+        """Add rewards [b] to the statistics; the first that are not all 0 set the unit of Q."""
         had_unit = self.has_unit
         self.reward_count += len(rewards)
         self.reward_sum += float(rewards.sum())
@@ -141,7 +141,7 @@ class Statistics:
         return self.reward_squares / max(self.reward_count, 1)
 
     def state(self) -> State:
-        """What has been seen and the scale of Q."""
+        """The statistics and the scale of Q."""
         return {
             "count": np.array(self.count),
             "mean": self.mean,
@@ -152,7 +152,7 @@ class Statistics:
         }
 
     def restore(self, state: State) -> None:
-        """Take up what `state` gave."""
+        """Restore what `state` returned."""
         self.count = int(state["count"])
         fill(self.mean, state["mean"])
         fill(self.squares, state["squares"])
@@ -162,7 +162,7 @@ class Statistics:
         self.value_std = float(state["value_std"])
 
     def scaling(self) -> Scaling:
-        """The numbers of this moment."""
+        """The present normalisation."""
         c = self.coordinates
         variance = self.squares / self.count if self.count else np.ones_like(self.mean)
         std = np.maximum(np.sqrt(variance), STD_FLOOR)
@@ -225,7 +225,7 @@ def coordinate_slopes(
 def forget_clipped(features: Array, c: Coordinates, slopes: Array) -> None:
     """Set the slopes [F] of features that are clipped to 0, after `coordinate_slopes`.
 
-    By itself: a condition more in that loop would be compiled to other roundings.
+    It has its own loop: a further condition in that one would be compiled to other roundings.
     """
     for i in range(features.size):
         if abs(features[i]) >= c.limit[i]:

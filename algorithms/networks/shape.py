@@ -24,7 +24,7 @@ class Shape(NamedTuple):
 
 
 class HiddenSettings(Protocol):
-    """The settings that say what a network is like inside (algorithms.settings)."""
+    """The settings of a network's hidden layers (algorithms.settings)."""
 
     @property
     def hidden_units(self) -> int:
@@ -32,22 +32,22 @@ class HiddenSettings(Protocol):
 
     @property
     def hidden_layers(self) -> int:
-        """How many there are."""
+        """The number of hidden layers."""
 
     @property
     def activation(self) -> str:
-        """The name of their activation."""
+        """The name of the activation."""
 
 
 def shape_of(inputs: int, outputs: int, config: HiddenSettings) -> Shape:
-    """The shape that the settings say."""
+    """The shape of a network with these settings."""
     hidden = (config.hidden_units,) * config.hidden_layers
     return Shape(inputs, hidden, outputs, NAMED[config.activation])
 
 
 @compiled_fast
 def inputs_of(shape: Shape, k: int) -> Any:
-    """How many inputs hidden layer k has, from 0; for k = L, the output layer."""
+    """The number of inputs of hidden layer k, from 0 on; for k = L, of the output layer."""
     return shape.inputs if k == 0 else shape.hidden[k - 1]
 
 

@@ -1,20 +1,20 @@
-"""The unit of Q follows its targets, and Q stays what it is (PopArt); so does what Adam remembers.
+"""The unit of Q follows its targets, without changing Q (PopArt); Adam's moments are converted.
 
 With r = std / std_new, the output layer of a network that returns a normalised Q becomes
 
     weight <- weight r,   bias <- bias r + (mean - mean_new) / std_new
 
-The squared loss of that network is in units of std^2, so that its gradient, in the new unit, is r
-times what it was for the output layer, and r^2 times for the layers before it. Adam's moments
-become what they would be, had every gradient so far been taken in the new unit:
+The squared loss of that network is in units of std^2, so that its gradient in the new unit is r
+times the old one for the output layer, and r^2 times for the layers before it. Adam's moments
+become those that they would be if every gradient so far had been computed in the new unit:
 
     output layer       m <- m r,     v <- v r^2
     hidden layers      m <- m r^2,   v <- v r^4
 
-Without that, the second moments of a unit that was too small would keep the network still for the
-thousand updates that Adam remembers. Two parts of a critic's gradient do not change with the unit:
-weight decay's and the cosine loss's. They are small beside the squared loss when the unit moves
-far.
+Without that, second moments in a unit that was too small would keep the network from changing for
+the thousand updates that Adam remembers. Two parts of a critic's gradient do not change with the
+unit: those of weight decay and of the cosine loss. They are small compared with the squared loss
+when the unit changes much.
 
 Source: van Hasselt et al. (2016). Differences: Adam's moments follow; the standard deviation is
 taken about the previous mean, so that a Q that drifts does not make it vanish.
@@ -46,7 +46,7 @@ def move_value_scale(
     """Set the unit of Q to the targets' moments, once rewards have shown one.
 
     Args:
-        statistics: of the run; its value scale is moved.
+        statistics: those of the run; its value scale is changed.
         target_mean: mean of the targets, in the unit so far.
         target_square: mean of their squares, in the unit so far.
     """
@@ -60,12 +60,12 @@ def move_value_scale(
 
 
 def rewrite_fit(fitted: Learned, shape: Shape, change: UnitChange) -> None:
-    """Let a network in training, and its target, return the same Q in the new unit.
+    """Rewrite a network in training, and its target, to return the same Q in the new unit.
 
     Args:
-        fitted: trained on a squared loss in that unit.
+        fitted: a network trained on a squared loss in that unit.
         shape: its sizes.
-        change: of the unit.
+        change: the change of the unit.
     """
     ratio, shift = np.float32(change.ratio), np.float32(change.shift)
     for theta in (fitted.theta, fitted.target):
@@ -80,10 +80,10 @@ def rewrite_fit(fitted: Learned, shape: Shape, change: UnitChange) -> None:
 
 
 def rescale_moments(trained: Learned, factor: NDArray[np.float32] | np.float32) -> None:
-    """Let Adam remember gradients that are `factor` (one, or [P]) times what they were.
+    """Rescale Adam's moments as if all gradients had been multiplied by `factor`, one or [P].
 
     Raises:
-        NotFiniteQuantityError: where they are beyond float32.
+        NotFiniteQuantityError: if moments overflow float32.
     """
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):
         trained.m[:] *= factor

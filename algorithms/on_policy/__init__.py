@@ -1,1 +1,1 @@
-"""What learners share that learn only from the steps their present policy took."""
+"""The shared parts of learners that learn only from the steps of their current policy."""

@@ -1,10 +1,10 @@
-"""The actor of on-policy learners: a tanh-Gaussian with a spread of its own for each action.
+"""The actor of on-policy learners: a tanh-Gaussian with a separate spread for each action.
 
     a = tanh(mu(s) + sigma e),   e ~ N(0, 1)
 
-Its parameters are those of the network of mu, and after them log sigma [m], which depends on no
-state: theta = [network | log sigma]. What knows the network alone reads its part of theta and acts
-with the mean, tanh(mu(s)).
+Its parameters are those of the network of mu, followed by log sigma [m], which does not depend on
+the state: theta = [network | log sigma]. Code for the network alone reads its part of theta and
+acts with the mean, tanh(mu(s)).
 """
 
 from collections.abc import Sequence
@@ -40,7 +40,7 @@ def spread_of(theta: NDArray[np.float32], m: int) -> NDArray[np.float32]:
 
 @compiled_fast
 def is_free(log_sigma: Any) -> Any:
-    """Whether a spread lies within its bounds, and so has a gradient."""
+    """Whether a spread lies within its bounds, so that it has a gradient."""
     return LOWEST <= log_sigma <= HIGHEST
 
 
@@ -50,7 +50,7 @@ class Explorers:
     def __init__(
         self, policies: Sequence[Policy], noise: NDArray[np.float32], shape: Shape
     ) -> None:
-        """Stack the policies; `noise [T, K E, m]` is what they add to their means."""
+        """Stack the policies; they add `noise [T, K E, m]` to their means."""
         self._theta, self._mean, self._inverse = (
             np.stack(part) for part in list(zip(*policies, strict=True))[:3]
         )
@@ -76,7 +76,7 @@ def explore(
     shape: Shape,
     actions: Floats,
 ) -> None:
-    """Let actor k act on its rows, one after the other, with noise [K E, m] on its means.
+    """Let actor k act on its rows, one after the other, with noise [K E, m] added to its means.
 
     Shapes: theta [K, P], mean and inverse [K, F], features [K E, F], actions [K E, m].
     """

@@ -1,4 +1,4 @@
-"""CountedRun: what all on-policy runs share: counters, a history, and a state made of parts."""
+"""CountedRun: the base of all on-policy runs, with counters, a history and a state of parts."""
 
 from collections.abc import Mapping, Sequence
 from typing import ClassVar, Protocol
@@ -11,10 +11,10 @@ from algorithms.state import State, fill, part, within
 
 
 class Part(Protocol):
-    """What has a state of its own."""
+    """An object with its own state."""
 
     def state(self) -> State:
-        """All of it."""
+        """Its state."""
 
     def restore(self, state: State) -> None:
         """Restore what `state` returned."""
@@ -25,8 +25,8 @@ class CountedRun:
 
     Attributes:
         counters: names of the attributes that are whole numbers, saved in checkpoints.
-        learned: names of further attributes that the next bits depend on, arrays and numbers.
-        seed: the run's.
+        learned: names of further attributes on which the next bits depend, arrays and numbers.
+        seed: the run's seed.
         history: its measurements.
         timestep: environment steps so far.
         jacobians: Jacobians so far.
@@ -37,7 +37,7 @@ class CountedRun:
     learned: ClassVar[Sequence[str]] = ()
 
     def __init__(self, seed: int, timesteps: int) -> None:
-        """Begin a run of so many timesteps."""
+        """Begin a run of `timesteps`."""
         self.seed = seed
         self.history = History(seed, timesteps)
         self.timestep = self.jacobians = self.updates = 0
@@ -45,7 +45,7 @@ class CountedRun:
 
     @property
     def is_over(self) -> bool:
-        """Whether it has had its timesteps."""
+        """Whether it has used its timesteps."""
         return self.timestep >= self._timesteps
 
     def diagnostics(self) -> dict[str, float]:
@@ -53,18 +53,18 @@ class CountedRun:
         return {}
 
     def parts(self) -> Mapping[str, Part]:
-        """What else its next bits depend on, by name."""
+        """The parts, by name, on which its next bits also depend."""
         return {}
 
     def measured(self, return_mean: float) -> Measurement:
-        """Take in a measurement."""
+        """Return the next measurement, with this return."""
         self.history.record(return_mean)
         return self.history.measured(
             updates=self.updates, jacobians=self.jacobians, diagnostics=self.diagnostics()
         )
 
     def state(self) -> State:
-        """All that its next bits depend on."""
+        """All values on which its next bits depend."""
         learned = {name: np.asarray(getattr(self, name)) for name in self.learned}
         state = {
             "counters": np.array([getattr(self, name) for name in self.counters]),

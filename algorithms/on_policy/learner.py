@@ -2,8 +2,8 @@
 
 In an update, all runs first act together, each with its own policy; then each learns from its own
 steps. An error in one run ends that run alone. Runs may differ in their timesteps, since episodes
-may end early, and may exceed what was asked for. The measurements that come due with an update's
-steps are of the policy that took them.
+may end early, and may exceed the requested number. The measurements that become due with an
+update's steps are of the policy that took them.
 """
 
 from abc import ABC, abstractmethod
@@ -53,7 +53,7 @@ class Run(Protocol[Lived_contra]):
         """Memory of one update."""
 
     def policy(self) -> Policy:
-        """The deterministic policy as it is."""
+        """The current deterministic policy."""
 
     def count(self, lived: Lived_contra) -> None:
         """Count the steps that the coming update learns from."""
@@ -62,16 +62,16 @@ class Run(Protocol[Lived_contra]):
         """Update the networks from its steps."""
 
     def measured(self, return_mean: float) -> Measurement:
-        """Take in a measurement."""
+        """Return the next measurement, with this return."""
 
     def state(self) -> State:
-        """All that its next bits depend on."""
+        """All values on which its next bits depend."""
 
     def restore(self, state: State) -> None:
         """Restore what `state` returned."""
 
     def snapshot(self) -> Snapshot:
-        """The policy as it is."""
+        """The current policy."""
 
 
 AnyRun = TypeVar("AnyRun", bound=Run)  # type: ignore[type-arg]  # of the other parameter
@@ -98,7 +98,7 @@ class OnPolicyLearner(ABC, Generic[AnyRun, Lived]):
 
     @abstractmethod
     def _live(self) -> Mapping[int, Callable[[], Lived]]:
-        """Act in every run; return, by seed, what gives the run's steps or raises its error."""
+        """Act in every run; return, by seed, a function of its steps, which may raise its error."""
 
     @property
     def seeds(self) -> list[int]:
@@ -135,11 +135,11 @@ class OnPolicyLearner(ABC, Generic[AnyRun, Lived]):
         self._stopwatch.keep(self.seeds)
 
     def state(self, seed: int) -> State:
-        """All that the run's next bits depend on."""
+        """All values on which the run's next bits depend."""
         return self._by_seed[seed].state()
 
     def journal(self, seed: int, start: int) -> State:
-        """Empty: an update needs no steps but its own."""
+        """Empty: an update needs only its own steps."""
         del seed, start
         return {}
 
@@ -157,7 +157,7 @@ class OnPolicyLearner(ABC, Generic[AnyRun, Lived]):
         self.timestep = min(self._timesteps, *(run.timestep for run in self._runs))
 
     def _each(self, call: Callable[[AnyRun], None]) -> list[EarlyEnd]:
-        """Call for every run; those for which it raises leave."""
+        """Call for every run; drop those for which it raises."""
         ends = call_each(
             call,
             self._runs,
@@ -176,9 +176,9 @@ class OnPolicyLearner(ABC, Generic[AnyRun, Lived]):
         return self._each(learn)
 
     def _measure(self, ends: list[EarlyEnd]) -> list[Measurement]:
-        """The measurements that came due with an update's steps.
+        """The measurements that became due with an update's steps.
 
-        Runs for which that raises leave, and their ends are added to `ends`.
+        Runs for which this raises are dropped, and their ends are added to `ends`.
         """
         due = [
             (run, number)

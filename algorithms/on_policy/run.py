@@ -1,8 +1,8 @@
-"""One run of an on-policy learner with a value function: its networks, its episodes, its counters.
+"""One run of an on-policy learner with a value function: networks, episodes and counters.
 
-A `Rule` says how the networks learn from a window. Values have a unit that follows their targets
+A `Rule` defines how the networks learn from a window. Values have a unit that follows their targets
 (algorithms.networks.value_scale). The targets of a window are known before a network is fitted to
-them, so the unit moves first, and the first losses are small.
+them, so the unit changes first, and the first losses are small.
 """
 
 from collections.abc import Mapping, Sequence
@@ -33,19 +33,19 @@ class Settings(HiddenSettings, Protocol):
 
     @property
     def environments(self) -> int:
-        """How many are stepped at once."""
+        """The number of environments that are stepped at once."""
 
     @property
     def window(self) -> int:
-        """Steps of each of them between two updates."""
+        """Steps of each environment between two updates."""
 
     @property
     def noise(self) -> float:
-        """Standard deviation of exploration at first."""
+        """Initial standard deviation of exploration."""
 
 
 class Networks(NamedTuple):
-    """All that one run learns."""
+    """The networks of one run."""
 
     actor: Learned
     critic: Learned
@@ -54,33 +54,33 @@ class Networks(NamedTuple):
 
 
 class Moment(NamedTuple):
-    """When an update is done."""
+    """The moment of an update in its run."""
 
     done: int
-    """Updates done before it."""
+    """Updates done before this one."""
     progress: float
-    """Share of its timesteps that the run had before the window, below 1."""
+    """Share of the run's timesteps before the window, below 1."""
     scaling: Scaling
-    """Of features as the window was acted with, of values as their targets have it."""
+    """Normalisation of features as the window was acted with, and the unit of its targets."""
     draws: np.random.Generator
 
 
 class Outlook(NamedTuple):
-    """What a window's states are worth, in the task's units."""
+    """The values of a window's states, in the task's units."""
 
     returns: NDArray[np.float64]
-    """[T, E], that values are to be fitted to."""
+    """[T, E], the targets of values."""
     values: NDArray[np.float64]
-    """[T, E], what the rule's networks make of them so far."""
+    """[T, E], the values by the rule's networks so far."""
     beyond: NDArray[np.float64]
-    """[T, E, n], gradients of values in the states that steps led to; [0, 0, n] where unwanted."""
+    """[T, E, n], gradients of values in the states that steps led to; [0, 0, n] if not needed."""
 
 
 class Report(NamedTuple):
-    """What an update saw; `lost` is the quantity that stopped being finite, "" for none."""
+    """The report of an update; `lost` is the quantity that is no longer finite, "" for none."""
 
     means: Any
-    """With a field of each of the rule's names."""
+    """A tuple with a field for each of the rule's names."""
     lost: str = ""
 
 
@@ -93,28 +93,28 @@ class Rule(Protocol):
     """How networks learn from a window.
 
     Attributes:
-        linearized: whether it wants the derivatives of steps.
-        means: names of what it reports, as means over the updates between two measurements.
+        linearized: whether it needs the derivatives of steps.
+        means: names of its reports, which are means over the updates between two measurements.
     """
 
     linearized: bool
     means: Sequence[str]
 
     def look_ahead(self, networks: Networks, window: Window, scaling: Scaling) -> Outlook:
-        """Compute what the window's states are worth; no network changes."""
+        """Compute the values of the window's states; no network changes."""
 
     def learn(self, networks: Networks, window: Window, outlook: Outlook, moment: Moment) -> Report:
         """Learn from a window."""
 
     def change_unit(self, networks: Networks, change: UnitChange) -> None:
-        """Adapt what Adam remembers of the actor to the new unit of values."""
+        """Adapt Adam's moments of the actor to the new unit of values."""
 
 
 class WindowRun(CountedRun):
-    """One run; its steps are those of all its environments, an update is of a window.
+    """One run; its steps are those of all its environments, and each update uses one window.
 
     Attributes:
-        episodes: those that are going on.
+        episodes: the ongoing episodes.
     """
 
     def __init__(
@@ -151,12 +151,12 @@ class WindowRun(CountedRun):
         return window_bytes(self._environment, self._config, linearized=self._rule.linearized)
 
     def policy(self) -> Policy:
-        """The deterministic policy as it is."""
+        """The current deterministic policy."""
         scaling, m = self._statistics.scaling(), self._environment.action_size
         return deterministic(self.networks.actor.theta, scaling.mean, scaling.inverse, m)
 
     def noise_ahead(self) -> NDArray[np.float32]:
-        """What the coming window adds to the actor's means [T, E, m]."""
+        """The noise that the coming window adds to the actor's means [T, E, m]."""
         m = self._environment.action_size
         draws = generator(self.history.seed, "exploration", self.updates)
         size = self._config.window, self._config.environments, m
@@ -169,7 +169,7 @@ class WindowRun(CountedRun):
         self.jacobians = self.timestep if self._rule.linearized else 0
 
     def learn(self, window: Window) -> None:
-        """Update by a window, the unit of values set to their targets before."""
+        """Set the unit of values to the window's targets, then update the networks."""
         check_finite(window)
         self._statistics.observe_rewards(window.rewards.ravel())
         before = (self.timestep - window.rewards.size) / self._timesteps
@@ -195,7 +195,7 @@ class WindowRun(CountedRun):
         self._rule.change_unit(self.networks, change)
 
     def diagnostics(self) -> dict[str, float]:
-        """What the rule saw since the last measurement, the noise, and the unit of values."""
+        """The rule's means since the last measurement, the noise, and the unit of values."""
         m = self._environment.action_size
         spread = actor.spread_of(self.networks.actor.theta, m)
         return {
@@ -205,7 +205,7 @@ class WindowRun(CountedRun):
         }
 
     def parts(self) -> dict[str, Part]:
-        """The networks, the episodes, and what is known of features and updates."""
+        """The networks, the episodes, the statistics of features and the means of updates."""
         return {
             "actor": self.networks.actor,
             "critic": self.networks.critic,
@@ -215,7 +215,7 @@ class WindowRun(CountedRun):
         }
 
     def snapshot(self) -> Snapshot:
-        """The mean policy as it is; without a critic, since V is no Q."""
+        """The current mean policy; without a critic, since V is not a Q."""
         m, policy = self._environment.action_size, self.policy()
         alone = policy._replace(theta=policy.theta[:-m])
         return Snapshot(self.timestep, m, inside(self.networks.actor_shape), alone)

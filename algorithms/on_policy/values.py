@@ -1,4 +1,4 @@
-"""The value of states: what it is, what it should be, and a network fitted to it.
+"""The value of states: the network's values, their targets, and the fit of the network.
 
     V(s)   = value_mean + value_std v(xhat)
     R_t    = r_t + gamma c_t ((1 - lambda) V(s_{t+1}) + lambda R_{t+1})        c = 1 - terminated
@@ -29,14 +29,14 @@ Integers = NDArray[np.int64]
 
 
 class Epochs(NamedTuple):
-    """How a network is fitted to a window."""
+    """The parameters of the fit of a network to a window."""
 
     order: Integers
     """[epochs, N], the rows of the window in the order of each epoch."""
     rows: int
-    """B of each batch; what is left at an epoch's end is not used."""
+    """B, the size of each batch; rows left at an epoch's end are not used."""
     done: int
-    """Adam's updates before it."""
+    """Adam's updates before the fit."""
     rate: float
     bound: float
     """Largest norm of a gradient."""
@@ -44,7 +44,7 @@ class Epochs(NamedTuple):
 
 
 class When(Protocol):
-    """What an update's epochs depend on (algorithms.on_policy.run.Moment)."""
+    """The values that an update's epochs depend on (algorithms.on_policy.run.Moment)."""
 
     @property
     def done(self) -> int:
@@ -52,13 +52,13 @@ class When(Protocol):
 
     @property
     def draws(self) -> np.random.Generator:
-        """For the orders of rows."""
+        """The generator of the orders of rows."""
 
 
 def epochs_of(
     when: When, size: int, count: int, batches: int, rate: float, bound: float, betas: Betas
 ) -> Epochs:
-    """So many epochs of so many batches, over a window of `size` rows, each in its own order."""
+    """Epochs of batches over a window of `size` rows, each epoch in its own order."""
     order = when.draws.permuted(np.tile(np.arange(size), (count, 1)), axis=1)
     rows = max(size // batches, 1)
     return Epochs(order, rows, when.done * count * (size // rows), rate, bound, betas)
@@ -92,7 +92,7 @@ def evaluate(
 
 @compiled_fast
 def look(v: Parameters, work: Pass, scaling: Scaling, features: Floats, values: Floats) -> None:
-    """`evaluate`, in a pass that may be followed back."""
+    """As `evaluate`, in a pass from which a backward pass may follow."""
     see(features, scaling.mean, scaling.inverse, work.x)
     network.forward(v, work)
     columns = values.shape[1]

@@ -1,8 +1,8 @@
-"""Windows: some steps of all the environments of each run; episodes may end and begin within.
+"""Windows: some steps of all the environments of each run; episodes may end and begin in them.
 
-Each run has E environments, whose episodes it numbers as they begin: episode i starts in the state
-drawn from the generator of (seed, "episode", i). A window goes on where the one before ended. A
-time limit truncates: the episode ends, but the task has not.
+Each run has E environments, whose episodes are numbered as they begin: episode i starts in the
+state drawn from the generator of (seed, "episode", i). A window continues where the one before
+ended. A time limit truncates: the episode ends, but the task has not.
 
 Glossary: `T` steps of a window, `E` environments of a run, `K` runs; `n`, `m`, `F` sizes of states,
 actions and features.
@@ -30,7 +30,7 @@ class Window(NamedTuple):
     features: Floats
     """[T, E, F]"""
     noise: NDArray[np.float32]
-    """[T, E, m], what was added to the actor's means."""
+    """[T, E, m], the noise that was added to the actor's means."""
     rewards: Floats
     """[T, E]"""
     next_features: Floats
@@ -40,11 +40,11 @@ class Window(NamedTuple):
     is_last: Bools
     """[T, E], whether its episode or the window ends with the step."""
     derivatives: tuple[Floats, ...]
-    """[T, E, ...] each, in the order of a `physics` Linearization; none where none are wanted."""
+    """[T, E, ...] each, in the order of a `physics` Linearization; empty if not needed."""
 
 
 def of_run(windows: Window, k: int, environments: int) -> Window:
-    """The window of run k, contiguous, out of that of all runs, [T, K E, ...] each."""
+    """The window of run k, contiguous, from the window of all runs, [T, K E, ...] each."""
     mine = slice(k * environments, (k + 1) * environments)
     parts: Sequence[NDArray[Any]] = windows[:-1]
     own = (np.ascontiguousarray(part[:, mine]) for part in parts)
@@ -57,12 +57,12 @@ class Episodes:
 
     Attributes:
         states: [E, n].
-        elapsed: steps that each has had [E].
-        is_over: [E], whether another has to begin first.
+        elapsed: steps of each so far [E].
+        is_over: [E], whether another episode must begin first.
     """
 
     def __init__(self, seed: int, environments: int, state_size: int) -> None:
-        """Begin none yet."""
+        """Begin without episodes."""
         self.states = np.zeros((environments, state_size))
         self.elapsed = np.zeros(environments, np.int64)
         self.is_over = np.ones(environments, np.bool_)
@@ -70,12 +70,12 @@ class Episodes:
         self._begun = 0
 
     def next_start(self) -> tuple[int, str, int]:
-        """Where the next episode starts, for `start_states`."""
+        """The next episode's argument of `start_states`."""
         self._begun += 1
         return self._seed, "episode", self._begun - 1
 
     def state(self) -> State:
-        """All of it but the seed."""
+        """Its state, without the seed."""
         return {
             "states": self.states,
             "elapsed": self.elapsed,
@@ -103,7 +103,7 @@ class _Columns:
         self._each = len(episodes[0].states)
 
     def begin(self) -> Failures:
-        """Begin another episode where one is over; return the failures, by column."""
+        """Begin another episode where one is over; return the failures by column."""
         over = np.flatnonzero(self.is_over).tolist()
         if not over:
             return {}
@@ -139,10 +139,10 @@ def live(
 
     Args:
         environment: the task.
-        episodes: of each run; they go on.
-        act: the actions [K E, m] for features [K E, F] at step t.
-        noise: what `act` adds to the actors' means [T, K E, m].
-        linearized: whether the steps' derivatives are wanted.
+        episodes: those of each run; they are advanced.
+        act: a function that returns the actions [K E, m] for features [K E, F] at step t.
+        noise: the noise that `act` adds to the actors' means [T, K E, m].
+        linearized: whether to compute the steps' derivatives.
 
     Returns:
         The window, [T, K E, ...], void for columns that failed, None if all did; and the failures,
@@ -190,7 +190,7 @@ def check_finite(window: Window) -> None:
     """Refuse rewards and features beyond float32, which networks cannot learn from.
 
     Raises:
-        NotFiniteQuantityError: naming the first that there is.
+        NotFiniteQuantityError: with the name of the first.
     """
     largest = np.finfo(np.float32).max
     for name, part in (("rewards", window.rewards), ("features", window.features)):

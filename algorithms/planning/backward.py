@@ -1,4 +1,4 @@
-"""The backward pass: the best small change of every action, and how it answers to the state.
+"""The backward pass: the best small change of every action, and its feedback on the state.
 
 From the last step to the first, with V(s) the cost to go, J = df/dx, x = (s, a):
 
@@ -10,10 +10,10 @@ From the last step to the first, with V(s) the cost to go, J = df/dx, x = (s, a)
 
 The value uses the unregularised Q, so that it is the cost to go of the policy `a + d + G ds`
 itself. A change of `alpha d` is expected to lower the cost by `-(alpha slope + alpha^2 bend)`,
-slope the sum of `Q_a' d`, bend that of `d' Q_aa d / 2`.
+where slope is the sum of `Q_a' d` and bend that of `d' Q_aa d / 2`.
 
-Regularisation. A box program that is not convex, or a plan that does not get better, raises lambda;
-a better plan lowers it. Each raise (or lowering) in a row is larger than the one before it:
+Regularisation. A box program that is not convex, or a plan that does not improve, raises lambda; a
+better plan lowers it. Each successive increase (or decrease) is larger than the one before it:
 
     raise:  growth = max(growth, 1) 1.6,      lambda = max(lambda growth, 1e-6)
     lower:  growth = min(growth, 1) / 1.6,    lambda = lambda growth, 0 below 1e-6
@@ -41,7 +41,7 @@ LARGEST = 1e10
 
 
 class Regularisation(NamedTuple):
-    """How each plan is regularised."""
+    """The regularisation of each plan."""
 
     level: Floats
     """[P], lambda."""
@@ -55,14 +55,14 @@ def new_regularisation(plans: int) -> Regularisation:
 
 
 class Gains(NamedTuple):
-    """What a backward pass finds, for every step of every plan."""
+    """The results of a backward pass, for every step of every plan."""
 
     change: Floats
     """[P, T, m], d."""
     feedback: Floats
     """[P, T, m, n], G."""
     slope: Floats
-    """[P], of the expected cost, below 0."""
+    """[P], the slope of the expected cost, below 0."""
     bend: Floats
     """[P]"""
     size: Floats
@@ -89,7 +89,7 @@ class Work(NamedTuple):
     upper: Floats
     """[m]"""
     d: Floats
-    """[m], kept from one step to the one before it, as its first guess."""
+    """[m], kept as the first guess for the step before."""
     box: BoxWork
 
 
@@ -117,7 +117,7 @@ def new_work(environment: Environment) -> Work:
 
 @compiled
 def raise_level(regularisation: Regularisation, p: int) -> bool:
-    """Regularise plan p more; False if that is beyond all measure."""
+    """Regularise plan p more; False if lambda exceeds its limit."""
     growth = max(regularisation.growth[p], 1.0) * FACTOR
     regularisation.growth[p] = growth
     regularisation.level[p] = max(regularisation.level[p] * growth, SMALLEST)
@@ -145,13 +145,13 @@ def backward(
     work: Work,
     is_possible: NDArray[np.bool_],
 ) -> None:
-    """Fill the gains of these plans from step start to stop - 1, regularising until it works.
+    """Fill the gains of these plans from step start to stop - 1, regularising until that succeeds.
 
-    `is_possible [P]` becomes False for a plan that no regularisation makes convex.
+    `is_possible [P]` is set to False for a plan that no regularisation makes convex.
     """
     for p in plans:
         end = min(stop, episodes.ends[p])
-        # Beyond the plan's end its actions stand, for candidates that live longer.
+        # After the plan's end its actions stay the same, for candidates with longer episodes.
         gains.change[p, end:stop] = 0.0
         gains.feedback[p, end:stop] = 0.0
         is_possible[p] = True

@@ -7,13 +7,14 @@ outwards; the others are *free*. Each iteration projects the Newton step of the 
 
     x_f  ->  clip(x_f - H_ff^-1 q_f)
 
-on the box. Where that does not lead down far enough (Armijo's rule), it goes to the lowest point of
-the projected path's first straight piece instead. At the solution no free gradient is left; then
-`H_ff^-1` also says how the free coordinates answer to a change of g, which iLQR's feedback needs.
+on the box. If that does not decrease the objective enough (Armijo's rule), it takes the lowest
+point of the projected path's first straight piece instead. At the solution the free gradient is 0;
+then `H_ff^-1` also gives the response of the free coordinates to a change of g, which iLQR's
+feedback needs.
 
 Sources: Bertsekas (1982); Tassa, Mansard and Todorov (2014), section III. Differences from their
-code: the first piece in place of steps of 0.6, 0.36, ..., which creep towards a bound and never
-reach it; and a gradient counts as 0 by the rounding of its own terms, not below a fixed 1e-8.
+code: the first piece replaces steps of 0.6, 0.36, ..., which approach a bound but never reach it;
+and a gradient counts as 0 by the rounding of its own terms, not below a fixed 1e-8.
 """
 
 from typing import NamedTuple
@@ -26,7 +27,7 @@ from physics.kernels.compiled import compiled
 Floats = NDArray[np.float64]
 
 NOT_CONVEX = -1
-"""What `solve` returns when `H_ff` is not positive definite."""
+"""The result of `solve` if `H_ff` is not positive definite."""
 
 ITERATIONS = 100
 ARMIJO = 0.1
@@ -43,7 +44,7 @@ class BoxWork(NamedTuple):
     gradient: Floats
     """[m], q."""
     move: Floats
-    """[m], by which the trial lies apart from x."""
+    """[m], the difference of the trial from x."""
     newton: Floats
     """[m], the free coordinates' Newton step, in the order of `free`."""
 
@@ -63,8 +64,8 @@ def new_box_work(size: int) -> BoxWork:
 def solve(H: Floats, g: Floats, lower: Floats, upper: Floats, x: Floats, work: BoxWork) -> int:
     """Solve in place, from the guess `x [m]`; return how many coordinates are free.
 
-    Returns `NOT_CONVEX` at a free block without a Cholesky factor; x is then inside the box, and
-    no solution.
+    Returns `NOT_CONVEX` for a free block without a Cholesky factor; x is then inside the box, but
+    not a solution.
     """
     for i in range(x.size):
         x[i] = min(max(x[i], lower[i]), upper[i])
@@ -87,7 +88,11 @@ def solve(H: Floats, g: Floats, lower: Floats, upper: Floats, x: Floats, work: B
 def split(
     H: Floats, g: Floats, lower: Floats, upper: Floats, x: Floats, work: BoxWork
 ) -> tuple[int, bool]:
-    """Fill the gradient and list the free coordinates; how many, and whether all theirs are 0."""
+    """Fill the gradient and list the free coordinates.
+
+    Returns:
+        The number of free coordinates, and whether all their gradients are 0.
+    """
     free, is_solved = 0, True
     for i in range(x.size):
         slope, size = g[i], abs(g[i])
@@ -139,7 +144,7 @@ def solve_free(free: int, work: BoxWork, b: Floats) -> None:
 def take_newton_step(
     H: Floats, lower: Floats, upper: Floats, x: Floats, free: int, work: BoxWork
 ) -> bool:
-    """Move x by the projected Newton step, if that leads down far enough."""
+    """Move x by the projected Newton step, if that decreases the objective enough."""
     move = work.move
     move[:] = 0.0
     slope = 0.0
@@ -159,7 +164,7 @@ def take_newton_step(
 def take_first_piece(
     H: Floats, lower: Floats, upper: Floats, x: Floats, free: int, work: BoxWork
 ) -> None:
-    """Move x along the Newton step, to the lowest point before one more coordinate is stopped."""
+    """Move x along the Newton step to the lowest point before another coordinate is stopped."""
     move = work.move
     move[:] = 0.0
     slope, length, first = 0.0, np.inf, -1

@@ -1,11 +1,11 @@
-"""Episodes as trajectories: what a planner holds of each run, from start to time limit.
+"""Episodes as trajectories: a planner holds one for each run, from start to time limit.
 
     s_0 a_0 r_0 s_1 a_1 r_1 ... s_T           r_t = r(s_t, a_t, s_{t+1})
 
-An episode that the task ends after step `e - 1` has no reward from `e` on; its state stays as it
-is. The whole trajectory is always consistent: each state follows from the one before it.
+An episode that the task ends after step `e - 1` has no reward from `e` on, and its state stays the
+same. The whole trajectory is always consistent: each state follows from the one before it.
 
-Glossary: `P` plans, one a run, every one by itself; `T` steps of an episode; `n`, `m` sizes of
+Glossary: `P` plans, one per run, each independent; `T` steps of an episode; `n`, `m` sizes of
 states and actions.
 """
 
@@ -42,7 +42,7 @@ def roll_out(
     """Whole episodes from the start states [P, n], under a policy: states [P, n] -> [P, m].
 
     Returns:
-        The episodes, void for plans that failed; and how these failed.
+        The episodes, void for plans that failed; and the failures.
     """
     plans, horizon = len(starts), environment.horizon
     episodes = Episodes(
@@ -60,10 +60,10 @@ def roll_out(
 
 
 def replay(environment: Environment, episodes: Episodes, start: int) -> Failures:
-    """Bring the states and rewards from step `start` on in line with the actions.
+    """Recompute the states and rewards from step `start` on from the actions.
 
     Returns:
-        How plans failed; their episodes are void.
+        The failures of plans; their episodes are void.
     """
     failures: Failures = {}
     episodes.ends[episodes.ends > start] = environment.horizon
@@ -79,10 +79,10 @@ def replay(environment: Environment, episodes: Episodes, start: int) -> Failures
 def act(
     environment: Environment, model: Environment, episodes: Episodes, now: int, plans: Integers
 ) -> Failures:
-    """Do the actions of these plans at step `now`; what follows is in line with the model then.
+    """Apply the actions of these plans at step `now`, and recompute what follows by the model.
 
     Returns:
-        How plans failed; their episodes are void.
+        The failures of plans; their episodes are void.
     """
     own = Episodes._make(part[plans] for part in episodes)
     own.ends[own.ends > now] = environment.horizon
@@ -94,7 +94,7 @@ def act(
 
 
 def take_step(environment: Environment, episodes: Episodes, t: int) -> Failures:
-    """Fill in what follows from the states and actions at step t; return how plans failed."""
+    """Fill in the results of the states and actions at step t; return the failures of plans."""
     states = np.ascontiguousarray(episodes.states[:, t])
     actions = np.ascontiguousarray(episodes.actions[:, t])
     transition, failures = call_rows(environment.step, states, actions)

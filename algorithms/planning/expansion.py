@@ -5,12 +5,13 @@ With x = (s, a), s' = f(x), J = df/dx and the cost c(x) = -r(s, a, f(x)):
     dc/dx   = -(r_x + J' r_s')
     d2c/dx2 ~ -[I J'] G,      G = d(r_x, r_s')/dx   along the dynamics
 
-What is left out is `r_s' d2f/dx2`: iLQR knows no second derivative of the dynamics (that is what
-sets it apart from DDP), and this is its Gauss-Newton approximation for a reward of the next state.
-G comes from forward differences of the exact reward gradients, in one batched call: exact, but for
+The term `r_s' d2f/dx2` is left out: iLQR does not use second derivatives of the dynamics (unlike
+DDP), and this is its Gauss-Newton approximation for a reward of the next state. G comes from
+forward differences of the exact reward gradients, in one batched call: it is exact, except for
 rounding, where the reward is quadratic. An action is moved towards 0, so never beyond its bounds,
 where derivatives vanish. Directions along which the gradients never change (`curved_directions`)
-are left out: in HalfCheetah all of the state's. The curvature is then made positive semi-definite.
+are left out: in HalfCheetah all those of the state. The curvature is then made positive
+semi-definite.
 
 Steps after the end of an episode cost nothing, and their expansion is never read.
 """
@@ -31,10 +32,10 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 WIDTH = 1e-5
-"""Of the differences. Rounding leaves 1e-11 of a gradient, curvature changes over 1 or so."""
+"""Width of the differences. Rounding is 1e-11 of a gradient, curvature changes over about 1."""
 PROBES = 128
 SAME = 1e-12
-"""Gradients that differ by less, relative to the largest, differ by rounding alone."""
+"""Smaller differences of gradients, relative to the largest, are rounding."""
 
 
 class Expansion(NamedTuple):
@@ -61,7 +62,7 @@ def new_expansion(environment: Environment, plans: int) -> Expansion:
 def curved_directions(environment: Environment) -> Integers:
     """The coordinates of x along which the reward's gradients change anywhere, by probing.
 
-    All of them, where a probe raises: that is nothing that any run has done.
+    All of them if a probe raises, since that is not an error of any run.
     """
     every = np.arange(environment.state_size + environment.action_size)
     try:
@@ -85,10 +86,13 @@ def expand(
     directions: Integers,
     expansion: Expansion,
 ) -> int:
-    """Fill the expansion of these plans from step start to stop - 1; return the Jacobians it took.
+    """Fill the expansion of these plans from step start to stop - 1.
+
+    Returns:
+        The number of Jacobians that were computed.
 
     Raises:
-        Exception: as `Environment.differentiate`, for the trajectory itself.
+        Exception: as `Environment.differentiate`, at the trajectory itself.
     """
     start, stop = window
     n, m = environment.state_size, environment.action_size

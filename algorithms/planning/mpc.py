@@ -1,34 +1,34 @@
 """MPC: model-predictive control by iLQR in a receding horizon, for a cohort of runs.
 
-At time t of its one episode a run improves its plan for steps t to t + H - 1, does the first
-action of it, and moves on:
+At time t of its one episode a run improves its plan for steps t to t + H - 1, applies the plan's
+first action, and moves on:
 
     a_t .. a_{t+H-1}  <-  iLQR from  a_t .. a_{t+H-1}                  (algorithms.planning.planner)
     s_{t+1} = f(s_t, a_t)
 
-The whole episode is planned from the start, by one rollout of the initial actor that every learner
-of that seed begins with, in the state that its first episode begins in. So a plan that moves on
-takes in the next of that actor's actions, and nothing is made up.
+The first plan covers the whole episode: it is one rollout of the initial actor of every learner of
+that seed, from the start state of its first episode. So a plan that moves on adds the next of that
+actor's actions, and no action has to be invented.
 
-Plans are made without the task's noise, which nobody can know, and from the state itself, not from
-what is observed of it. An action is done with the noise, and the plan goes on from where it led.
+Plans are made without the task's noise, which is unknown, and from the state itself, not from its
+observation. An action is applied with the noise, and the plan continues from the resulting state.
 
-What is measured. A run simulates one episode, over and over, instead of many. Its curve is what the
-episode is predicted to earn: rewards collected, those of the plan, and those of the initial actions
-that remain after it. Whenever an action is done that prediction is made anew, and the curve at
-timestep k is the last prediction made before. `timestep` counts simulated steps, those of planning
-above all, every candidate of every line search: what another learner would have spent as many steps
-of its environment on. Jacobians are counted apart, as everywhere; simulating the initial actions
-again for the prediction's sake is evaluation, and not counted. `return_history` is the mean of the
+Measurements. A run simulates one episode, over and over, instead of many. Its curve is the
+predicted return of the episode: the rewards so far, those of the plan, and those of the initial
+actions that remain after it. The prediction is renewed after every action, and the curve at
+timestep k is the last prediction before k. `timestep` counts simulated steps, above all those of
+planning, for every candidate of every line search: another learner would have used as many steps of
+its environment. As everywhere, Jacobians are counted separately; simulating the initial actions
+again for the prediction is evaluation, and is not counted. `return_history` is the mean of the
 latest 100 predictions. A run ends with its episode, often long before `timesteps`; its last
-measurement is what the episode really earned.
+measurement is the actual return of the episode.
 
-Time an action, with the presets, for 16 runs at once on one core (AMD EPYC): 30 ms for
-CartPoleSwingUp (horizon 100, at most 3 iterations), 640 ms for HalfCheetah (horizon 30, at most 12,
-while other work shared the machine). One `advance` took at most 0.03 s and 0.16 s.
+The time per action, with the presets, for 16 runs at once on one core (AMD EPYC), is 30 ms for
+CartPoleSwingUp (horizon 100, at most 3 iterations), and 640 ms for HalfCheetah (horizon 30, at most
+12, while other work shared the machine). One `advance` took at most 0.03 s and 0.16 s.
 
-Source: Tassa, Mansard and Todorov (2014). Differences from their MPC: several iterations an action,
-until a plan has converged; regularisation goes on from action to action, as the plan does.
+Source: Tassa, Mansard and Todorov (2014). Differences from their MPC: there are several iterations
+per action, until a plan has converged; regularisation is kept from action to action, like the plan.
 """
 
 import math
@@ -67,7 +67,7 @@ class MPCLearner:
     def __init__(
         self, environment: Environment, seeds: Sequence[int], timesteps: int, config: MPCConfig
     ) -> None:
-        """Roll the initial actors out."""
+        """Roll out the initial actors."""
         self._environment = environment
         self._model = environment.without_noise()
         self._timesteps = timesteps
@@ -102,9 +102,9 @@ class MPCLearner:
         return self._planner.bytes_per_plan
 
     def advance(self) -> list[Measurement | EarlyEnd]:
-        """Do one iteration of every plan, or the action they have come to.
+        """Do one iteration of every plan or, once all are finished, apply their next actions.
 
-        Runs that were restored ahead of others wait for them.
+        Runs that were restored at a later step wait for the others.
         """
         ends = self._lose()
         measured = self._advance() if self._histories else []
@@ -115,7 +115,7 @@ class MPCLearner:
         return [*ends, *(m for m in measured if m.seed not in lost), *gone]
 
     def _advance(self) -> list[Measurement]:
-        """Do it for the runs that are left."""
+        """Advance the remaining runs."""
         now = int(self._times.min())
         stop = min(now + self._config.horizon, self._environment.horizon)
         here = self._times == now
@@ -131,14 +131,14 @@ class MPCLearner:
         self._keep([row for row, seed in enumerate(self.seeds) if seed not in seeds])
 
     def state(self, seed: int) -> State:
-        """All that the run's next bits depend on."""
+        """All values on which the run's next bits depend."""
         p = self.seeds.index(seed)
         own = {"time": np.array(self._times[p]), "iterations": np.array(self._iterations[p])}
         history, plan = self._histories[p].state(), self._planner.state(p)
         return own | within("history", history) | within("plan", plan)
 
     def journal(self, seed: int, start: int) -> State:
-        """Nothing: the plan holds the whole episode."""
+        """Empty: the plan holds the whole episode."""
         del seed, start
         return {}
 
@@ -153,7 +153,7 @@ class MPCLearner:
         self._count()
 
     def snapshot(self, seed: int) -> None:
-        """None: a plan is no policy."""
+        """None: a plan is not a policy."""
         del seed
 
     def _iterate(self, now: int, stop: int, plans: Integers) -> None:
@@ -163,16 +163,16 @@ class MPCLearner:
         self._iterations[plans] += 1
 
     def _act(self, now: int, stop: int, plans: Integers) -> list[Measurement]:
-        """Do the action of these plans at step `now`, which end before `stop`; move them on."""
+        """Apply the action of these plans at step `now`, which end before `stop`; move them on."""
         episodes = self._planner.episodes
         with self._stopwatch.aside():
-            if self._model is self._environment:  # the plan has come true
+            if self._model is self._environment:  # without noise, the plan holds the result
                 self._planner.failures |= replay(self._model, episodes, stop)
             else:
                 self._planner.failures |= act(self._environment, self._model, episodes, now, plans)
                 self._planner.has_moved(plans, now + 1)
                 self._planner.simulated[plans] += stop - (now + 1)
-        self._planner.simulated[plans] += episodes.ends[plans] > stop  # the step that one takes in
+        self._planner.simulated[plans] += episodes.ends[plans] > stop  # the step that the plan adds
         measured = self._measure()
         self._times[plans] += 1
         self._iterations[plans] = 0
@@ -181,7 +181,7 @@ class MPCLearner:
         return measured + self._measure_ends()
 
     def _predict(self, plans: Integers) -> None:
-        """Record what these episodes will earn, as things stand."""
+        """Record the current predicted returns of these episodes."""
         for p in plans:
             with self._stopwatch.aside():
                 value = window_return(self._planner.episodes, p, 0, self._environment.horizon)
@@ -190,7 +190,7 @@ class MPCLearner:
             self._histories[p].record(value)
 
     def _measure(self) -> list[Measurement]:
-        """The measurements that have come due."""
+        """The measurements that have become due."""
         simulated = np.minimum(self._planner.simulated, self._timesteps)
         return [
             self._measured(p)
@@ -220,7 +220,7 @@ class MPCLearner:
         )
 
     def _lose(self) -> list[EarlyEnd]:
-        """Let the runs go whose plans failed; return how they end."""
+        """Drop the runs whose plans failed; return their early ends."""
         planner = self._planner
         ends = [
             early_end(
@@ -234,7 +234,7 @@ class MPCLearner:
         return ends
 
     def _leave(self) -> None:
-        """Let the runs go whose episode is over, or which have used up their timesteps."""
+        """Drop the runs whose episode is over, or which have used their timesteps."""
         self._count()
         planner = self._planner
         stays = (planner.episodes.ends > self._times) & (planner.simulated < self._timesteps)
@@ -254,7 +254,7 @@ class MPCLearner:
 def first_plans(
     environment: Environment, seeds: Sequence[int], hidden_units: int
 ) -> tuple[Episodes, Failures]:
-    """An episode of each seed's initial actor, which sees features as they are; and what failed."""
+    """An episode of each seed's initial actor, with unnormalised features; and the failures."""
     shape = Shape(environment.feature_size, (hidden_units,) * 2, environment.action_size)
     mean = np.zeros(shape.inputs, np.float32)
     actors = [
@@ -281,6 +281,6 @@ def build(
     timesteps: int,
     config: MPCConfig,
 ) -> MPCLearner:
-    """A cohort of MPC runs, which have no use for weights."""
+    """A cohort of MPC runs, which do not use the weights."""
     del weights
     return MPCLearner(environment, seeds, timesteps, config)

@@ -7,12 +7,12 @@ One iteration, of every plan that has not converged yet:
     search      how far to follow it, tried in parallel                      (ilqr_search)
 
 A plan has converged when the backward pass hardly changes any action (mean `|d| / (|a| + 1)` below
-1e-4 while lambda is below 1e-5), when an iteration earned less than 1e-7, or when no regularisation
-makes it better.
+1e-4 while lambda is below 1e-5), when an iteration gained less than 1e-7, or when no regularisation
+improves it.
 
-A plan covers a window of its episode, steps start to stop - 1. What lies before the window has been
-done; what lies after it, the plan does not look at. An episode that the task ends within the window
-costs nothing from there on, and its value is 0 there.
+A plan covers a window of its episode, steps start to stop - 1. The steps before the window have
+been taken; the plan ignores those after it. An episode that the task ends within the window has no
+cost after its end, and its value is 0 there.
 
 Source: Tassa, Mansard and Todorov (2014) and their code.
 """
@@ -48,23 +48,23 @@ SMALL_LEVEL = 1e-5
 SMALL_GAIN = 1e-7
 
 COUNTS = ("is_active", "iterations", "jacobians", "simulated", "_expanded_to")
-"""What a Planner holds of each plan, beside its trajectory and regularisation."""
+"""The arrays of a Planner for each plan, beside its trajectory and regularisation."""
 
 
 class Planner:
-    """Plans of P runs on one task, each improved by itself; their bits do not depend on P.
+    """Plans of P runs on one task, each improved independently; their bits do not depend on P.
 
     Attributes:
         episodes: the trajectories, which iterations improve in place.
-        is_active: bool [P], whose plan has not converged.
+        is_active: bool [P], whether a plan has not converged.
         iterations: int [P], iterations so far.
         jacobians: int [P], Jacobians of a step computed so far.
         simulated: int [P], steps that line searches have simulated so far.
-        failures: how plans failed that can't go on, by their index; others are not concerned.
+        failures: the errors of plans that cannot continue, by index; others are not affected.
     """
 
     def __init__(self, environment: Environment, episodes: Episodes) -> None:
-        """Take over the episodes' trajectories as first plans."""
+        """Use the episodes' trajectories as first plans."""
         plans = len(episodes.ends)
         self.episodes = episodes
         self.is_active = np.zeros(plans, np.bool_)
@@ -87,9 +87,9 @@ class Planner:
         return sum(part.nbytes for part in parts) // max(len(self.is_active), 1)
 
     def begin(self, plans: Integers) -> None:
-        """Take these plans as not converged, whatever came of them before.
+        """Mark these plans as not converged, whatever their state was before.
 
-        Regularisation continues from its last value; where none was enough, it starts again.
+        Regularisation continues from its last value; if none was enough, it starts again.
         """
         self.is_active[plans] = True
         spent = plans[self.regularisation.level[plans] > LARGEST]
@@ -97,7 +97,7 @@ class Planner:
         self.regularisation.growth[spent] = 1.0
 
     def has_moved(self, plans: Integers, start: int) -> None:
-        """Take note that the states of these plans have changed from step `start` on."""
+        """Note that the states of these plans have changed from step `start` on."""
         self._expanded_to[plans] = np.minimum(self._expanded_to[plans], start)
 
     def keep(self, rows: list[int]) -> None:
@@ -137,7 +137,7 @@ class Planner:
             adapt(plans, gain, self.regularisation, self.is_active)
 
     def state(self, p: int) -> State:
-        """All that the next bits of plan p depend on; its expansion is recomputed."""
+        """All values on which the next bits of plan p depend; its expansion is recomputed."""
         own = {name: getattr(self, name)[p] for name in COUNTS}
         parts = self.episodes._asdict() | self.regularisation._asdict()
         return {name: np.asarray(array) for name, array in own.items()} | {
@@ -170,7 +170,7 @@ class Planner:
         self._expanded_to[plans] = stop
 
     def _expand_from(self, first: int, stop: int, plans: Integers) -> int:
-        """Fill in the expansion of these steps; return the Jacobians it took of each plan."""
+        """Fill in the expansion of these steps; return the number of Jacobians of each plan."""
         count, failures = call_rows(
             lambda chosen: expand(
                 self._environment, self.episodes, chosen, (first, stop),
@@ -184,7 +184,7 @@ class Planner:
     def _check(
         self, plans: Integers, start: int, stop: int, parts: Expansion | Gains, quantity: str
     ) -> None:
-        """Note plans that have a NaN or an infinity in one of the parts, up to their end."""
+        """Record plans that have a NaN or an infinity in one of the parts, up to their end."""
         for p in plans:
             end = min(stop, self.episodes.ends[p])
             numbers = (part[p, start:end] if part.ndim > 1 else part[p] for part in parts)
@@ -199,7 +199,7 @@ class Planner:
 def adapt(
     plans: Integers, gain: Floats, regularisation: Regularisation, is_active: NDArray[np.bool_]
 ) -> None:
-    """Regularise each plan by what its search gained, and see whether it has converged."""
+    """Adapt each plan's regularisation to the gain of its search, and check for convergence."""
     for k in range(plans.size):
         p = plans[k]
         if gain[k] > 0.0:

@@ -2,12 +2,12 @@
 
     a_t = clip(abar_t + alpha d_t + G_t (s_t - sbar_t), -1, 1),     s_{t+1} = f(s_t, a_t)
 
-for eleven alphas from 1 to 0.001, all of them and all plans in one batch of each simulator step.
-The best of them becomes the plan, if it earns more than the plan did and if that was to be
-expected; no plan ever gets worse.
+for eleven alphas from 1 to 0.001, with all alphas and all plans in one batch of each simulator
+step. The best candidate becomes the plan, if its return is higher and an improvement was expected;
+no plan ever gets worse.
 
-A candidate that the task ends earns nothing more, and that counts in the comparison, though no
-derivative shows it. One that leaves all bounds (1e8), or takes a step that raises, is out.
+A candidate that the task ends has no further rewards, and that counts in the comparison, although
+no derivative shows it. A candidate beyond 1e8, or with a step that raises, is discarded.
 
 Source: Tassa, Mansard and Todorov (2014) and their code (z_min = 0).
 """
@@ -42,7 +42,7 @@ class Candidates(NamedTuple):
     ends: Integers
     """[P A], steps of the window after which the task has ended the episode; T if it has not."""
     is_out: BoolArray
-    """[P A], never to be chosen."""
+    """[P A], whether a candidate is discarded."""
 
 
 def search(
@@ -52,9 +52,9 @@ def search(
     episodes: Episodes,
     gains: Gains,
 ) -> Floats:
-    """Improve these plans where possible; return how much more each now earns [len(plans)], or 0.
+    """Improve these plans where possible; return the gain in return of each [len(plans)], or 0.
 
-    Only the window's own steps are brought up to date; what follows it belongs to the old plan.
+    Only the window's own steps are updated; the steps after it belong to the old plan.
     """
     candidates = try_alphas(environment, plans, window, episodes, gains)
     gain = np.zeros(len(plans))
@@ -69,7 +69,7 @@ def try_alphas(
     episodes: Episodes,
     gains: Gains,
 ) -> Candidates:
-    """Roll every candidate out."""
+    """Roll out every candidate."""
     start, stop = window
     steps, rows = stop - start, len(plans) * len(ALPHAS)
     candidates = Candidates(
@@ -126,7 +126,7 @@ def note(
     is_unsolved: BoolArray,
     candidates: Candidates,
 ) -> None:
-    """Take in what followed step i of the window; a candidate that is over or out stands still."""
+    """Store the results of step i of the window; a candidate that is over or discarded stays."""
     for row in range(candidates.ends.size):
         is_out = is_unsolved[row]
         for j in range(next_states.shape[1]):
@@ -153,7 +153,7 @@ def keep_best(
     candidates: Candidates,
     gain: Floats,
 ) -> None:
-    """Let the best candidate of each plan replace it, if it is better; note by how much."""
+    """Replace each plan by its best candidate, if that is better; store the gain."""
     for k in range(plans.size):
         p = plans[k]
         before = window_return(episodes, p, start, stop)
@@ -172,7 +172,7 @@ def keep_best(
 def adopt(
     p: int, start: int, stop: int, episodes: Episodes, candidates: Candidates, row: int
 ) -> None:
-    """Make a candidate the plan."""
+    """Replace a plan by a candidate."""
     for t in range(start, stop):
         i = t - start
         episodes.rewards[p, t] = candidates.rewards[i, row]

@@ -2,7 +2,7 @@
 
     A = V diag(d) V'     ->     V diag(max(d, 0)) V'          (nearest in the Frobenius norm)
 
-Jacobi's method skips what is diagonal already, which the curvature of a reward mostly is.
+Jacobi's method skips entries that are already 0, as most are in the curvature of a reward.
 Sources: Higham (1988); Golub and Van Loan (2013), algorithm 8.5.3.
 """
 

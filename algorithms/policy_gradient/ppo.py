@@ -1,28 +1,29 @@
-"""PPO: proximal policy optimisation, for a cohort of runs; the yardstick that sees no derivatives.
+"""PPO: proximal policy optimisation, for a cohort of runs; a reference without derivatives.
 
     A       = R - V(s),   R TD(lambda)'s return: the generalised advantage estimate
     actor   down  -mean min(ratio A, clip(ratio, 1 - bound, 1 + bound) A)
     critic  down  mean (V(s) - R)^2
 
 Each update takes a window of T steps in E environments, then goes through it in several epochs
-of small batches, in an order drawn anew, with advantages normalised in each batch
+of small batches, each in a new order, with advantages normalised in each batch
 (algorithms.policy_gradient.ppo_update). Both networks' gradients are bounded in norm, and the
-learning rate falls to 0 by the run's end. An episode that runs out of time is worth V where it was
-cut, one that the task ends nothing.
+learning rate falls to 0 by the run's end. An episode that a time limit ends has the value V there;
+one that the task ends has the value 0.
 
 Sources: Schulman et al. (2017), "Proximal policy optimization algorithms"; Huang et al. (2022),
 "The 37 implementation details of proximal policy optimization", for continuous actions.
 Differences:
 
-- actions are tanh u of a Gaussian u, not clipped; the ratio is that of u, tanh does not change it;
+- actions are tanh u of a Gaussian u, not clipped; the ratio is that of u, since tanh does not
+  change it;
 - the networks are those of every learner here, 64-64 tanh units with layer normalisation and small
   last layers, not orthogonal ones;
 - values have a unit that follows their targets (algorithms.networks.value_scale), in place of
   rewards divided by a running standard deviation and clipped at 10;
-- no clipping of the value's change, and no bonus for entropy: of no help in continuous control
-  (Andrychowicz et al., 2021), or 0 there;
+- the value's change is not clipped, and there is no bonus for entropy: clipping does not help in
+  continuous control (Andrychowicz et al., 2021), and the bonus is 0 there;
 - actor and critic are fitted one after the other, each with its own bound on the gradient's norm
-  and its own order of rows, which changes nothing else: they share no parameter;
+  and its own order of rows; this has no other effect, since they share no parameters;
 - Adam's epsilon is 1e-8, not 1e-5; the default window is 8 environments of 256 steps, not one of
   2,048; features are clipped at 5 deviations, not 10; log sigma lies within [-20, 2].
 """
@@ -56,7 +57,7 @@ Singles = NDArray[np.float32]
 
 
 class Means(NamedTuple):
-    """What an update saw."""
+    """The report of an update."""
 
     critic_loss: np.float64
     v_mean: np.float64
@@ -64,7 +65,7 @@ class Means(NamedTuple):
     critic_gradient_norm: np.float64
     actor_gradient_norm: np.float64
     clipped: np.float64
-    """Share of rows that the bound left without a gradient."""
+    """Share of rows without a gradient, because of the bound."""
     policy_distance: np.float64
     """Mean divergence of the policy from the one that took the steps."""
 
@@ -76,11 +77,11 @@ class PPO:
     means: Sequence[str] = Means._fields
 
     def __init__(self, config: PPOConfig) -> None:
-        """With these settings."""
+        """Learn with these settings."""
         self._config = config
 
     def look_ahead(self, networks: Networks, window: Window, scaling: Scaling) -> Outlook:
-        """The values V of the window's states, and returns by those of where steps led to."""
+        """The values V of the window's states, and returns with those of the next states."""
         critic, shape = networks.critic, networks.critic_shape
         values, next_values, returns = (np.empty_like(window.rewards) for _ in range(3))
         evaluate(critic.theta, shape, scaling, window.features, values)
@@ -92,7 +93,7 @@ class PPO:
         return Outlook(returns, values, np.zeros((0, 0, 0)))
 
     def learn(self, networks: Networks, window: Window, outlook: Outlook, moment: Moment) -> Report:
-        """Go through the window with the actor, then with the critic."""
+        """Fit the actor to the window, then the critic."""
         critic, shape, scaling = networks.critic, networks.critic_shape, moment.scaling
         returns, values, _ = outlook
         x = evaluate(critic.theta, shape, scaling, window.features, np.empty_like(values))
@@ -116,7 +117,7 @@ class PPO:
         return Report(Means(*map(np.float64, told)), lost)
 
     def change_unit(self, networks: Networks, change: UnitChange) -> None:
-        """The actor's advantages are normalised: it knows no unit."""
+        """Do nothing: with normalised advantages, the actor does not depend on the unit."""
 
     def _epochs(self, moment: Moment, size: int) -> Epochs:
         rate = self._config.rate * (1.0 - moment.progress)
@@ -132,6 +133,6 @@ def build(
     timesteps: int,
     config: PPOConfig,
 ) -> WindowLearner:
-    """A cohort of PPO runs, which have no use for weights."""
+    """A cohort of PPO runs, which do not use the weights."""
     del weights
     return WindowLearner(environment, seeds, timesteps, config, PPO(config))

@@ -30,7 +30,7 @@ HALF, ONE, SMALL = np.float32(0.5), np.float32(1), np.float32(1e-8)
 
 
 class Rows(NamedTuple):
-    """What the actor learns from, [N, ...], or a batch of it."""
+    """The data that the actor learns from, [N, ...], or a batch of it."""
 
     x: Array
     """[N, F], normalised features."""
@@ -43,7 +43,7 @@ class Rows(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """What the epochs saw."""
+    """The report of the epochs."""
 
     gradient_norm: Any
     """Mean of the gradients' norms."""
@@ -59,7 +59,7 @@ class Seen(NamedTuple):
 def improve(
     actor: Learned, shape: Shape, x: Array, noise: Array, advantages: Array, bound: Any, how: Epochs
 ) -> Seen:
-    """Step the actor down L on each batch of each epoch; ends at what is not finite."""
+    """Step the actor down L on each batch of each epoch; stop if a number is not finite."""
     theta, m = actor.theta, noise.shape[1]
     pi = Parameters(theta, shape)
     old_spread = np.empty(m, theta.dtype)
@@ -104,7 +104,7 @@ def means_of(pi: Parameters, x: Array) -> Array:
 
 @compiled_fast
 def new_rows(rows: Rows, count: int) -> Rows:
-    """Room for a batch."""
+    """Arrays for a batch."""
     kind = rows.x.dtype
     return Rows(
         np.empty((count, rows.x.shape[1]), kind),
@@ -127,7 +127,7 @@ def draw(rows: Rows, how: Epochs, epoch: int, first: int, batch: Rows) -> None:
 
 @compiled_fast
 def standardised(theta: Array, work: Pass, batch: Rows, row: int, i: int) -> Any:
-    """z, how many sigma an action is from the mean."""
+    """z, the distance of an action from the mean in units of sigma."""
     u = batch.means[row, i] + batch.noise[row, i]
     return (u - work.out[row, i]) / spread(theta[theta.size - batch.noise.shape[1] + i])
 
@@ -148,7 +148,7 @@ def compare(theta: Array, work: Pass, batch: Rows, old_spread: Array, log_ratio:
 
 @compiled_fast
 def standardise(advantages: Array) -> None:
-    """Give a batch the mean 0 and the standard deviation 1."""
+    """Shift and scale a batch to mean 0 and standard deviation 1."""
     total, squares = advantages.dtype.type(0), advantages.dtype.type(0)
     share = ONE / np.float32(advantages.size)
     for row in range(advantages.size):
@@ -174,7 +174,7 @@ def weigh(log_ratio: Array, advantages: Array, bound: Any, pull: Array) -> None:
 
 @compiled_fast
 def without_gradient(pull: Array) -> float:
-    """The share of rows that pull at nothing."""
+    """The share of rows without a gradient."""
     count = 0.0
     for row in range(pull.size):
         count += 1.0 if pull[row] == 0 else 0.0

@@ -2,9 +2,9 @@
 
     python -m benchmarks.held [WORD ...]    # only the commands that have one of these words
 
-For people, on a quiet machine: it takes more than an hour, and its numbers depend on what else the
-machine does. So it ends with 0 whatever is held, and no check runs it. What commands print goes to
-standard error as it comes.
+It is meant for people on a quiet machine: it takes more than an hour, and its numbers depend on the
+machine's other work. So its exit code is 0 whatever is held, and no check runs it. The output of
+commands goes to standard error as it appears.
 """
 
 import argparse

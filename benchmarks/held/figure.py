@@ -1,4 +1,4 @@
-"""A figure to hold: which command prints it, where in what it prints, and its limit."""
+"""A figure to hold: the command that prints it, its place in the output, and its limit."""
 
 import re
 from collections.abc import Sequence
@@ -9,14 +9,14 @@ NUMBER = r"(-?[\d,.]+(?:e[+-]?\d+)?)"
 
 @dataclass(frozen=True)
 class Figure:
-    """What one line of the table says.
+    """One line of the table.
 
-    name     what must hold, as docs/figures-to-hold.md says it
-    command  words after `python -m`, which measures it
-    place    regular expression of what it prints, with `#` where the number stands
-    limit    in the unit of what is printed; None: the command fails where it does not hold
-    unit     of the number
-    is_least whether it is the least, not the most
+    name     what must hold, in the words of docs/figures-to-hold.md
+    command  the words after `python -m` that measure it
+    place    regular expression for the output, with `#` in place of the number
+    limit    in the unit of the output; None if the command itself fails when it does not hold
+    unit     unit of the number
+    is_least whether the limit is a minimum, not a maximum
     """
 
     name: str
@@ -34,7 +34,7 @@ class Figure:
         return f"{'>=' if self.is_least else '<='} {self.limit:,g} {self.unit}".rstrip()
 
     def worst(self, printed: str) -> float | None:
-        """Return the worst of the numbers in what was printed; None where there is none."""
+        """Return the worst of the numbers in the output; None if there are none."""
         found = re.findall(self.place.replace("#", NUMBER), printed)
         numbers = [float(number.replace(",", "")) for number in found]
         return (min if self.is_least else max)(numbers, default=None)
@@ -47,7 +47,7 @@ class Figure:
 
 @dataclass(frozen=True)
 class Measured:
-    """A figure and what came of measuring it."""
+    """A figure and its measured result."""
 
     figure: Figure
     measured: str
@@ -55,7 +55,7 @@ class Measured:
 
     @classmethod
     def of(cls, figure: Figure, printed: str, code: int) -> "Measured":
-        """Read a figure off what its command printed before it ended with that code."""
+        """Read a figure from the output and the exit code of its command."""
         if figure.limit is None:
             return cls(figure, *(("passed", "yes") if code == 0 else ("failed", "no")))
         number = figure.worst(printed)

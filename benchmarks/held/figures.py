@@ -3,7 +3,7 @@
 from benchmarks.held.figure import Figure
 
 ROW = r"(?m)^{}(?: +[\d.]+){{{}}} +# "
-"""A line of a table of numbers: its name, and how many numbers stand before the one in question."""
+"""A line of a table of numbers: its name, and how many numbers precede the wanted one."""
 WINDOWS = (
     r"windows and the actor's step, steps a second:\n(?:    .*\n)*?    torch's loop{}: [\d,]+ "
 )

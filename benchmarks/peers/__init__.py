@@ -1,1 +1,1 @@
-"""What the benchmarks measure beside this project: one peer a file."""
+"""The peers with which the benchmarks compare this project, one per file."""

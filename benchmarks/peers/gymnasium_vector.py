@@ -1,4 +1,4 @@
-"""Gymnasium's classic tasks, as many side by side as rows, under random actions."""
+"""Gymnasium's classic tasks, one environment per row, under random actions."""
 
 from collections.abc import Callable
 from typing import Any
@@ -7,7 +7,7 @@ import gymnasium
 
 
 def gymnasium_step(name: str, batch: int, mode: str) -> Callable[[], None]:
-    """One step of `batch` environments of that name; they reset by themselves."""
+    """One step of `batch` environments of that name, with automatic resets."""
     peer: Any = gymnasium.make_vec(name, num_envs=batch, vectorization_mode=mode)
     peer.reset(seed=0)
     peer.action_space.seed(0)

@@ -1,7 +1,7 @@
-"""gymnax's classic tasks, a whole rollout of random actions in one jitted scan: its fastest way.
+"""gymnax's classic tasks: a whole rollout of random actions in one jitted scan, its fastest form.
 
-A jitted call for each step costs some 50 us more, whatever the batch. What gymnax resets by itself
-and the random keys that this takes are in its time; the actions are drawn ahead.
+A jitted call for each step costs about 50 us more, for any batch. The time includes gymnax's
+automatic resets and their random keys; the actions are drawn before.
 """
 
 from collections.abc import Callable
@@ -14,7 +14,7 @@ STEPS = 500
 
 
 def gymnax_rollout(name: str, batch: int) -> tuple[Callable[[], None], int]:
-    """A rollout of the task of that name, and how many transitions it is."""
+    """A rollout of the task of that name, and its number of transitions."""
     environment, parameters = gymnax.make(name)
     key = jax.random.key(0)
     step = jax.vmap(environment.step, (0, 0, 0, None))

@@ -1,10 +1,10 @@
-"""The same update in JAX, as a peer: jitted, a cycle scanned, the seeds vmapped.
+"""The same update in JAX, as a peer: jitted, with a cycle scanned and the seeds vmapped.
 
 Networks, losses, targets, weight decay, Adam and Polyak averaging are those of
 `algorithms.actor_critic.ddpg` and its L2 hybrid, on random transitions of the same sizes (features
-are coordinates, so that the critic's input gradient is the matched gradient). Left out, in the
-peer's favour: normalisation, noise, diagnostics. The matched gradient is taken by `jax.grad` and
-differentiated again by JAX.
+are coordinates, so that the critic's input gradient is the matched gradient). Normalisation, noise
+and diagnostics are left out, in the peer's favour. The matched gradient is computed by `jax.grad`
+and differentiated again by JAX.
 """
 
 from collections.abc import Callable
@@ -43,7 +43,7 @@ class Network(NamedTuple):
 def cycle(
     seeds: int, updates: int, state: int, action: int, stored: int, weights: tuple[float, float]
 ) -> Callable[[], None]:
-    """A call that does `updates` updates of each of `seeds` runs."""
+    """A function that does `updates` updates of each of `seeds` runs."""
     keys = jax.random.split(jax.random.key(0), seeds)
     build = jax.vmap(partial(initial, state=state, action=action, stored=stored))
     actor, critic, replay = jax.jit(build)(keys)

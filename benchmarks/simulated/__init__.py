@@ -1,1 +1,1 @@
-"""What benchmarks pretend, so as to measure the rest."""
+"""The parts that benchmarks simulate in order to measure the rest."""

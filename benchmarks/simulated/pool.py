@@ -1,8 +1,8 @@
-"""A Pool of many pretended workers, in a time of their own.
+"""A Pool of many simulated workers, with a simulated clock.
 
-That time is the processor time of those who serve the workers; where nobody has anything to do it
-is skipped. So one thread pretends a thousand workers, and what they wait for is the work of the
-service, not the machine's other work.
+The clock counts the processor time of the service that serves the workers; time in which it has
+nothing to do is skipped. So one thread can simulate a thousand workers, which wait only for the
+service's work, not for the machine's other work.
 """
 
 import heapq
@@ -19,16 +19,16 @@ from workers.messages.report import Busy, Ended, News, Ready, Report, from_line,
 from workers.messages.work import Work
 
 POINTS = 50
-"""Measurements of a run, one a second."""
+"""Measurements of a run, one per second."""
 UNTAKEN = 2
-"""Reports of a worker that may wait to be taken in; then the worker waits."""
+"""Reports of a worker that may wait to be processed; beyond that, the worker waits."""
 DIAGNOSTICS = ("critic_loss", "actor_loss", "action_gradient_cosine", "state_gradient_cosine",
                "mean_q", "update_seconds")  # fmt: skip
 
 
 @dataclass
 class PretendedWorker:
-    """One worker, what it trains, and how many measurements of each seed it has told."""
+    """One worker, its work, and how many measurements of each seed it has reported."""
 
     name: str
     told: int = 0
@@ -36,17 +36,17 @@ class PretendedWorker:
     work: Work = field(default_factory=lambda: Work("", ()))
 
     def begin(self, work: Work, now: float, told: int = 0) -> list[Report]:
-        """Take a cohort up, in its midst where measurements are told already."""
+        """Begin a cohort, after the first `told` measurements of each seed."""
         self.work, self.told, self.began = work, told, now - told
         first = Progress(0, Activity.COMPILING)
         return [Busy(self.name, work), News(self.name, work.cohort, first)]
 
     def due_after(self, now: float) -> float:
-        """When the next report is due."""
+        """The time of the next report."""
         return min(now + self.work.report_seconds, self.began + POINTS)
 
     def report(self, now: float) -> list[Report]:
-        """Tell what has been measured by now."""
+        """Report the measurements up to now."""
         is_first, before = not self.told, self.told
         self.told = min(round(now - self.began), POINTS)
         seeds = tuple(spec.seed for spec in self.work.specs)
@@ -74,7 +74,7 @@ class PretendedWorker:
 
 
 def measured(seed: int, timestep: int) -> Measurement:
-    """Something of the usual length."""
+    """A measurement of the usual length."""
     value = -1000.0 / (timestep + seed)
     named = {name: value / place for place, name in enumerate(DIAGNOSTICS, 1)}
     return Measurement(
@@ -83,15 +83,15 @@ def measured(seed: int, timestep: int) -> Measurement:
 
 
 class PretendedPool:
-    """So many workers. `now` is the pool's time, in seconds, when reports were last asked for.
+    """A pool of `size` workers. `now` is its time, in seconds, of the last call of `reports`.
 
-    reports       with measurements, that were given out
-    measurements  in them
-    runs          that were trained to their end
+    reports_told       reports with measurements so far
+    measurements_told  measurements in them
+    runs_ended         runs trained to their end
     """
 
     def __init__(self, size: int, spent: ProcessorTime) -> None:
-        """`spent` is what counts as time that passes."""
+        """`spent` is the time that passes in the pool."""
         self.now = 0.0
         self.reports_told = self.measurements_told = self.runs_ended = 0
         self.longest_wait = 0.0
@@ -106,7 +106,7 @@ class PretendedPool:
         self._lines: list[str] = []
 
     def start(self) -> None:
-        """Bring all workers up at once."""
+        """Start all workers at once."""
         for number in range(self._size):
             worker = PretendedWorker(f"worker-{number}", -1)
             self._workers[worker.name] = worker
@@ -114,8 +114,8 @@ class PretendedPool:
             self._say([Ready(worker.name, number, "here")])
 
     def train(self, worker: str, work: Work) -> None:
-        """Give a worker a cohort; the first one is in its midst, so that not all end at once."""
-        json.dumps(work.to_json())  # as it goes to a real pool
+        """Give a worker a cohort; its first one is partly done, so that not all end at once."""
+        json.dumps(work.to_json())  # as for a real pool
         with self._spent.uncounted():
             now, trainee = self._time(), self._workers[worker]
             self._wait(now - self._idle_since.pop(worker))
@@ -124,10 +124,10 @@ class PretendedPool:
             heapq.heappush(self._due, (trainee.due_after(now), worker))
 
     def demand(self, workers: int) -> None:
-        """Pretend no more workers."""
+        """Do nothing: the number of workers is fixed."""
 
     def reports(self, timeout_seconds: float, gather_seconds: float = 0.0) -> list[Report]:
-        """Read what the workers have said by now; skip time until one says something."""
+        """Return the workers' reports by now; skip time until there is one."""
         with self._spent.uncounted():
             self.now = self._time()
             if not self._lines and self._due:
@@ -139,18 +139,18 @@ class PretendedPool:
         return [from_line(line) for line in lines]
 
     def acknowledge(self, count: int) -> None:
-        """Keep nothing."""
+        """Do nothing: no reports are kept."""
 
     def drop(self, worker: str, seeds: Collection[int]) -> None:
-        """Nobody cancels anything."""
+        """Raise an error: nothing is cancelled."""
         raise AssertionError(f"{worker} was told to drop {seeds}")
 
     def kill(self, worker: str) -> None:
-        """No worker is silent."""
+        """Raise an error: no worker is silent."""
         raise AssertionError(f"{worker} was to be killed")
 
     def close(self) -> None:
-        """Nothing to end."""
+        """Do nothing."""
 
     @property
     def is_idle(self) -> bool:
@@ -159,7 +159,7 @@ class PretendedPool:
 
     @property
     def waited(self) -> float:
-        """Seconds that all workers have waited: for a cohort, or to have their news taken in."""
+        """Seconds that all workers have waited for a cohort or for reports to be processed."""
         return self._waited + sum(self.now - since for since in self._idle_since.values())
 
     def _time(self) -> float:
@@ -170,7 +170,7 @@ class PretendedPool:
         self.now = max(until, self.now)
 
     def _train_until(self, now: float) -> None:
-        """Have every worker say what it has to say by then, as far as it need not wait."""
+        """Let every worker send its reports up to `now`, unless it has to wait."""
         said: dict[str, int] = {}
         held_up: list[str] = []
         while self._due and self._due[0][0] <= now:

@@ -1,7 +1,7 @@
 """Processor time of the calling thread, of the store's writer and of PostgreSQL's sessions.
 
-It is the same however busy the machine is, but for what its caches lose to the neighbours, and has
-no wait in it: not the disk's (`fsync`), nor the way from process to process.
+It does not depend on how busy the machine is, except through the caches, and it contains no
+waiting: neither for the disk (`fsync`) nor for communication between processes.
 """
 
 import threading
@@ -11,14 +11,14 @@ from contextlib import contextmanager
 from pathlib import Path
 
 SESSION = b"postgres: d3pg"
-"""How the title of a process begins that serves the user of `tests/service/store/postgresql.py`."""
+"""Prefix of the titles of processes that serve the user of `tests/service/store/postgresql.py`."""
 
 
 class ProcessorTime:
-    """Adds up, from now on, what is spent by those at work for the store that is open."""
+    """Sums, from now on, the processor time spent on the open store."""
 
     def __init__(self, postgres: int | None) -> None:
-        """`postgres` is the server's process; None: the database is worked by our own threads."""
+        """`postgres` is the server's process; None if the database runs in our own threads."""
         [writer] = [each for each in threading.enumerate() if each.name == "store writer"]
         assert writer.ident is not None
         self._writer_clock = time.pthread_getcpuclockid(writer.ident)
@@ -30,13 +30,13 @@ class ProcessorTime:
 
     @property
     def service(self) -> float:
-        """Seconds of the calling thread and the writer's, but for what was not counted."""
+        """Seconds of the calling thread and of the writer, without the uncounted ones."""
         own = time.thread_time() - self._uncounted
         return own + time.clock_gettime(self._writer_clock) - self._service_from
 
     @property
     def database(self) -> float:
-        """Seconds of PostgreSQL's sessions; without it the database is in `service`."""
+        """Seconds of PostgreSQL's sessions; without PostgreSQL, `service` includes the database."""
         if self._postgres is None:
             return 0.0
         with self.uncounted():
@@ -52,7 +52,7 @@ class ProcessorTime:
 
     @contextmanager
     def uncounted(self) -> Iterator[None]:
-        """Leave out what this thread does within."""
+        """Do not count this thread's time in this context."""
         begun = time.thread_time()
         try:
             yield

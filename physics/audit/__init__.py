@@ -1,1 +1,1 @@
-"""The audit: every Jacobian against differences."""
+"""The audit: compares every Jacobian with differences."""

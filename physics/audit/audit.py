@@ -1,17 +1,17 @@
 """The gradient audit: how far every derivative is from central differences, regime by regime.
 
-For each regime of a task, states are drawn until at least `count` of them have differences to be
-held against. A state has none where it lies at a kink: there, every difference wider than rounding
-allows has its points on different smooth pieces of the map, as the task's own `pieces` tells.
-Such states are counted, not compared. For each of the others the error is
+For each regime of a task, states are drawn until at least `count` of them can be compared with
+differences. A state at a kink cannot: there, every difference that is wide enough for rounding has
+its points on different smooth pieces of the map, according to the task's own `pieces`. Such states
+are counted, not compared. For each of the others the error is
 
     max |exact - difference| / max |exact|
 
-over the state Jacobian, the action Jacobian and the reward's total gradients, each by itself (see
-`differences`), and the audit reports the worst. A state whose step or derivatives are not finite
-has an infinite error.
+computed separately for the state Jacobian, the action Jacobian and the reward's total gradients
+(see `differences`), and the audit reports the worst. A state whose step or derivatives are not
+finite has an infinite error.
 
-Differences also tell of kinks that `pieces` does not declare: those states are counted as well.
+Differences also reveal kinks that `pieces` does not declare: those states are counted as well.
 """
 
 from typing import NamedTuple
@@ -36,10 +36,10 @@ _MOST_CHUNKS = 400
 
 
 class Findings(NamedTuple):
-    """What a few rows of one regime told."""
+    """The results of some rows of one regime."""
 
     errors: FloatArray
-    """Of the states compared; infinite where the derivatives are not finite."""
+    """The errors of the states compared; infinite where the derivatives are not finite."""
     kinks: int
     undeclared: int
 
@@ -66,7 +66,7 @@ def audit(environment: Environment, count: int = COUNT, seed: int = 0) -> list[R
 
 
 def _ranks(regime_of: IntArray) -> IntArray:
-    """How many rows before it each row has of its own regime [batch]."""
+    """For each row, how many earlier rows are of the same regime [batch]."""
     ranks: IntArray = np.tril(regime_of[:, None] == regime_of[None], -1).sum(axis=1)
     return ranks
 
@@ -92,9 +92,9 @@ def _report(environment: Environment, regime: int, findings: list[Findings]) -> 
 def _examine(
     environment: Environment, states: FloatArray, actions: FloatArray
 ) -> tuple[FloatArray, BoolArray]:
-    """The error of each row [batch], NaN at a kink, and where there is an undeclared one.
+    """The error of each row [batch], NaN at a kink, and which rows have an undeclared kink.
 
-    It is infinite where there are no finite derivatives, at a kink too.
+    The error is infinite where derivatives are not finite, even at a kink.
     """
     errors, bent = np.full(len(states), np.inf), np.zeros(len(states), np.bool_)
     linearization, finite = _finite_part(environment, states, actions)
@@ -110,7 +110,7 @@ def _examine(
 def _finite_part(
     environment: Environment, states: FloatArray, actions: FloatArray
 ) -> tuple[Linearization, BoolArray]:
-    """The derivatives of the rows that have finite ones, and which those are."""
+    """The derivatives of the rows where they are finite, and which rows these are."""
     finite = np.ones(len(states), np.bool_)
     try:
         transition, *derivatives = environment.differentiate(states, actions)

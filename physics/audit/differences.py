@@ -1,17 +1,17 @@
-"""Differences: a task's derivatives from its steps alone, to hold the exact ones against.
+"""Differences: a task's derivatives from its steps alone, to compare the exact ones with.
 
-Fourth-order central differences at a ladder of widths h, each a quarter of the one before:
+Central differences of fourth order at several widths h, each a quarter of the one before:
 
     D(h) = (8 [f(x + h) - f(x - h)] - [f(x + 2h) - f(x - 2h)]) / 12h
 
 A width counts only where all of x, x +- h, x +- 2h lie in the task's domain and on one smooth
-piece of the map (see `Environment.pieces`): a difference across a kink is no derivative of
-anything. It has to be wide enough for the task's own rounding (`Environment.rounding`), too. Of the
-widths that count, the one that agrees best with the width before it is taken, entry by entry
-(Ridders 1982 chooses so). Where no two neighbouring widths count, or none agree to
-DOUBT of what they measure, the state lies at a kink: a width narrow enough to fit there tells the
-derivative no more. A quarter of the width makes the fourth order 256 times better: errors stay far
-below DOUBT.
+piece of the map (see `Environment.pieces`): a difference across a kink is not the derivative of
+anything. The width must also be large enough for the task's own rounding
+(`Environment.rounding`). For each entry, the width that agrees best with the width before it is
+chosen among those that count, as in Ridders (1982). Where no two neighbouring widths count, or no
+two agree to DOUBT of what they measure, the state lies at a kink: a width that is narrow enough
+to fit there is too narrow to give the derivative. A quarter of the width reduces the error of
+fourth order by a factor of 256, so that errors stay far below DOUBT.
 
 Glossary: `x` is state and action together, [batch, n + m]; `y` is next state and reward together.
 """
@@ -42,26 +42,27 @@ SMALLEST_SCALE = 1e-3
 # How far two widths may disagree, relative to the largest entry of the matrix that they measure.
 DOUBT = 1e-4
 
-# An error that falls by less than 8 from a width to the next, or by more than 100,000, is a kink's.
+# An error that falls by less than a factor of 8 from one width to the next, or by more than
+# 100,000, is that of a kink.
 STAYS, VANISHES = 1 / 8, 1e-5
 
-# At this width, 8e-6, the one-sided slopes of a smooth map differ by f'' h, at the next by a
-# quarter of it. Where the difference stays, the centre is a corner, of which D tells the mean.
-# A task whose rounding forbids these widths is judged by the two narrowest that it allows.
+# At this width, 8e-6, the one-sided slopes of a smooth map differ by f'' h, and at the next by a
+# quarter of that. Where the difference stays, the centre is a corner, and D is the mean of its two
+# slopes. A task whose rounding forbids these widths is judged by the two narrowest that it allows.
 CORNER = 4
 
 
 class Differences(NamedTuple):
-    """Total derivatives of a step: the reward's include its way through the next state."""
+    """Total derivatives of a step: those of the reward include its dependence on the next state."""
 
     jacobian: FloatArray
     """[batch, n, n + m], of the next state in (s, a)."""
     reward_gradient: FloatArray
     """[batch, n + m], of the reward in (s, a)."""
     smooth: BoolArray
-    """[batch]; where False the state lies at a kink and its row above means nothing."""
+    """[batch]; where False, the state lies at a kink and its row above is meaningless."""
     bent: BoolArray
-    """[batch]; whether wide differences tell of a kink nearby that the task does not declare."""
+    """[batch]; whether wide differences show a kink nearby that the task does not declare."""
 
 
 def differences(environment: Environment, states: FloatArray, actions: FloatArray) -> Differences:
@@ -79,7 +80,7 @@ def differences(environment: Environment, states: FloatArray, actions: FloatArra
         before = slopes[-1] if slopes else np.nan
         slopes.append(slope)
         bends.append(np.abs(bend))
-        # Two narrow widths may agree by chance: rounding alone speaks against them.
+        # Two narrow widths may agree by chance, so the doubt includes their rounding.
         doubt = np.abs(slope - before) + rounding / width
         better = doubt < least_doubt  # never where either is NaN
         best[better], least_doubt[better] = slope[better], doubt[better]
@@ -99,10 +100,10 @@ def _is_any(entries: BoolArray) -> BoolArray:
 
 
 def _jumps(errors: list[FloatArray]) -> BoolArray:
-    """Whether a row's errors [batch, ...], width by width, are those of a kink that comes within.
+    """Whether a row's errors [batch, ...], width by width, show a kink within reach of some widths.
 
-    Of a smooth map they fall by 256 from a width to the next; of a kink they stay as they are, and
-    vanish from the width on that does not reach it.
+    The errors of a smooth map fall by a factor of 256 from one width to the next. Those of a kink
+    stay as they are, and vanish from the first width that does not reach it.
     """
     jumps = np.zeros(len(errors[0]), np.bool_)
     for wide, narrow in pairwise(errors):
@@ -114,9 +115,9 @@ def _jumps(errors: list[FloatArray]) -> BoolArray:
 def relative_errors(linearization: Linearization, reference: Differences) -> FloatArray:
     """The worst relative error of each row's derivatives [batch], meaningless at a kink.
 
-    Relative to the largest entry of the matrix that the entry stands in: state Jacobian, action
-    Jacobian, the reward's gradient in the state and in the action, each by itself. Infinite where a
-    derivative is not finite.
+    An entry's error is relative to the largest entry of the matrix that it belongs to: the state
+    Jacobian, the action Jacobian, or the reward's gradient in the state or in the action. It is
+    infinite where a derivative is not finite.
     """
     n = linearization.state_jacobian.shape[1]
     wrong = ~np.all([_is_finite(field) for field in linearization[1:]], axis=0)
@@ -147,7 +148,7 @@ def _is_finite(field: FloatArray) -> BoolArray:
 def _outcomes(
     environment: Environment, states: FloatArray, actions: FloatArray
 ) -> tuple[FloatArray, BoolArray]:
-    """Next states and rewards [rows, n + 1] in one, and which rows have none that is finite."""
+    """Next states and rewards in one array [rows, n + 1], and which rows are not finite."""
     unknown = np.zeros(len(states), np.bool_)
     try:
         following, reward, _ = environment.step(states, actions)
@@ -161,19 +162,22 @@ def _outcomes(
 
 
 def _matrices(together: FloatArray, n: int) -> tuple[FloatArray, ...]:
-    """The four judged apart, of [batch, n + 1, n + m]: next state and reward, by s and by a."""
+    """The four matrices that are judged separately: next state and reward, by s and by a.
+
+    They are parts of `together` [batch, n + 1, n + m].
+    """
     following, reward = together[:, :n], together[:, n:]
     return following[..., :n], following[..., n:], reward[..., :n], reward[..., n:]
 
 
 def _scale(matrix: FloatArray) -> FloatArray:
-    """What an error in a matrix [batch, ...] is relative to [batch]."""
+    """The scale of relative errors in a matrix [batch, ...]: [batch]."""
     largest: FloatArray = np.maximum(np.abs(matrix).max(axis=(1, 2)), SMALLEST_SCALE)
     return largest
 
 
 def _scales(together: FloatArray, n: int) -> FloatArray:
-    """`_scale` of the matrix that each entry stands in [batch, n + 1, n + m]."""
+    """`_scale` of the matrix that each entry belongs to [batch, n + 1, n + m]."""
     scales = np.empty_like(together)
     for part, matrix in zip(_matrices(scales, n), _matrices(together, n), strict=True):
         part[:] = _scale(matrix)[:, None, None]
@@ -183,19 +187,19 @@ def _scales(together: FloatArray, n: int) -> FloatArray:
 def _at_width(
     environment: Environment, states: FloatArray, actions: FloatArray, y: FloatArray, width: float
 ) -> tuple[FloatArray, FloatArray]:
-    """D(width) and the forward less the backward difference, each [batch, n + 1, n + m].
+    """D(width), and the forward minus the backward difference, each [batch, n + 1, n + m].
 
-    NaN where a stencil leaves its piece or the domain; `y` [batch, n + 1] is that of the centre.
+    NaN where a stencil leaves its piece or the domain; `y` [batch, n + 1] is y at the centre.
     """
     n = environment.state_size
     x = np.concatenate([states, actions], axis=1)
     batch, inputs = x.shape
-    # [batch, inputs, 4, inputs]: every input moved by itself to the four points of the stencil.
+    # [batch, inputs, 4, inputs]: each input alone moved to the four points of the stencil.
     points = x[:, None, None, :] + width * np.einsum("k,ij->ikj", _STENCIL, np.eye(inputs))
     flat = points.reshape(-1, inputs)
     s, a = np.ascontiguousarray(flat[:, :n]), np.ascontiguousarray(flat[:, n:])
     outside = environment.outside(s)
-    s[outside] = np.repeat(states, inputs * len(_STENCIL), axis=0)[outside]  # no matter which
+    s[outside] = np.repeat(states, inputs * len(_STENCIL), axis=0)[outside]  # any state will do
     around, unknown = _outcomes(environment, s, a)
     around = around.reshape(batch, inputs, 4, n + 1)
     slope: FloatArray = np.einsum("k,bikj->bji", _WEIGHTS, around) / width

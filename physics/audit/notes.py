@@ -1,4 +1,4 @@
-"""Audit notes: what an audit's numbers do not say: which kinks it met, and what it cannot know."""
+"""Audit notes: what an audit's numbers do not show: undeclared kinks, and what was not sampled."""
 
 from collections.abc import Iterator, Sequence
 
@@ -9,11 +9,11 @@ from physics.environment import Environment, FloatArray, Pieces
 from physics.randomness import generator
 
 SHOWN = 1_000
-"""So many states are looked at."""
+"""How many states the notes are about."""
 
 
 def failures(rows: Sequence[RegimeAudit], count: int, tolerance: float = TOLERANCE) -> list[str]:
-    """Why each regime that did not pass did not."""
+    """For each regime that did not pass, a line with the reason."""
     return [
         f"NOT PASSED: {row.environment}, {row.regime}: {_reason(row, count, tolerance)}"
         for row in rows
@@ -35,7 +35,7 @@ def _reason(row: RegimeAudit, count: int, tolerance: float) -> str:
 
 
 def notes(environment: Environment, rows: Sequence[RegimeAudit]) -> list[str]:
-    """What to know beside the table, of a sample of states."""
+    """The notes that accompany the table, from a sample of states."""
     states, actions = environment.sample(generator(0, "audit", 0), SHOWN)
     pieces = environment.pieces(states, actions)
     return [
@@ -55,12 +55,12 @@ def _undeclared(environment: Environment, count: int) -> Iterator[str]:
 
 
 def _unsampled(environment: Environment, pieces: Pieces) -> Iterator[str]:
-    """What the task declares and its states do not show, and the other way round."""
+    """Lines on pieces that no state shows, and on regimes that the task does not declare."""
     names = len(environment.regimes)
     nameless = sorted(set(pieces.regime.tolist()) - set(range(names)))
     if nameless:
         yield (
-            f"NOT PASSED: {environment.label}: `pieces` tells of the regimes {nameless}, but "
+            f"NOT PASSED: {environment.label}: `pieces` returns the regimes {nameless}, but "
             f"`regimes` has names for 0 to {names - 1}"
         )
     constant = np.flatnonzero((pieces.piece == pieces.piece[:1]).all(axis=0)).tolist()
@@ -72,11 +72,11 @@ def _unsampled(environment: Environment, pieces: Pieces) -> Iterator[str]:
 
 
 def _unknown(environment: Environment, states: FloatArray) -> Iterator[str]:
-    """How far states go where no kink is declared, coordinate by coordinate."""
+    """The range of each coordinate, where the task declares no kink."""
     if type(environment).pieces is Environment.pieces:
         limits = enumerate(zip(states.min(axis=0), states.max(axis=0), strict=True))
         ranges = ", ".join(f"from {low:.3g} to {high:.3g} in s[{i}]" for i, (low, high) in limits)
         yield (
             f"NOTE: {environment.label} declares no kink but the clip of its actions. Whether "
-            f"there are others that no state came near cannot be known. The states went {ranges}."
+            f"there are others that no state came near cannot be known. The states ranged {ranges}."
         )

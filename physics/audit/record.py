@@ -1,4 +1,4 @@
-"""The record of the gradient audit: what it found, kept beside the code as `audit.json`."""
+"""The record of the gradient audit: its results, stored beside the code as `audit.json`."""
 
 import json
 from collections.abc import Iterable, Sequence
@@ -23,7 +23,7 @@ class RegimeAudit:
     states: int
     """How many states were compared."""
     kinks: int
-    """How many more were drawn that lie at a kink."""
+    """How many further states lie at a kink."""
     worst: float
     """The worst relative error of the states compared."""
     median: float
@@ -33,7 +33,7 @@ class RegimeAudit:
     def passed(self, count: int = COUNT, tolerance: float = TOLERANCE) -> bool:
         """Whether `count` states were compared and all their errors are within the tolerance.
 
-        Never with an error that is no number.
+        False if an error is NaN.
         """
         return self.states >= count and self.worst <= tolerance
 
@@ -53,7 +53,7 @@ def as_table(rows: Iterable[RegimeAudit]) -> str:
 
 
 def write_record(rows: Sequence[RegimeAudit], path: Path = RECORD) -> None:
-    """Keep an audit, for the documentation and the catalogue; other tasks' rows stay."""
+    """Store an audit for the documentation and the catalogue; rows of other tasks stay."""
     audited = {row.environment for row in rows}
     kept = [row for row in read_record(path) if row.environment not in audited]
     order = {name: place for place, name in enumerate(names())}
@@ -62,14 +62,14 @@ def write_record(rows: Sequence[RegimeAudit], path: Path = RECORD) -> None:
 
 
 def read_record(path: Path = RECORD) -> list[RegimeAudit]:
-    """The audit as it was kept, one row for each regime of each task."""
+    """The stored audit, one row for each regime of each task."""
     if not path.exists():
         return []
     return [RegimeAudit(**row) for row in json.loads(path.read_text())]
 
 
 def audited(environment: str, version: int) -> list[RegimeAudit]:
-    """The rows kept of this version of a task; none where it was never audited."""
+    """The stored rows of this version of a task; none where it was never audited."""
     return [
         row for row in read_record() if (row.environment, row.version) == (environment, version)
     ]

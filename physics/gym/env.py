@@ -46,7 +46,8 @@ class GymnasiumEnvironment(gymnasium.Env[FloatArray, NDArray[np.float32]]):
         Args:
             task: a name that `physics.make` takes, a class or an instance.
             render_mode: None or "rgb_array".
-            jacobians: whether `info` has the Jacobians of every step; without, a step costs less.
+            jacobians: whether `info` has the Jacobians of every step; a step costs less without
+                them.
             parameters: values of the task's physical parameters, such as `gravity=9.81`.
 
         Raises:
@@ -62,7 +63,7 @@ class GymnasiumEnvironment(gymnasium.Env[FloatArray, NDArray[np.float32]]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[FloatArray, dict[str, Any]]:
-        """Start an episode; the same seed, the same episode.
+        """Start an episode; the same seed gives the same episode.
 
         Raises:
             ValueError: for an unknown option, and for a state outside the task's domain.
@@ -94,13 +95,13 @@ class GymnasiumEnvironment(gymnasium.Env[FloatArray, NDArray[np.float32]]):
         return observation, reward, terminated, False, information
 
     def render(self) -> NDArray[np.uint8] | None:
-        """The present state as an image, or None without a render mode."""
+        """The current state as an image, or None without a render mode."""
         if self.render_mode is None:
             return None
         return self.task.draw(self._started()[0]).rgb_array()
 
     def _started(self) -> FloatArray:
-        """The present state [1, n]."""
+        """The current state [1, n]."""
         if self._states is None:
             raise ResetNeeded("call reset() first: no episode has been started")
         return self._states
@@ -109,7 +110,7 @@ class GymnasiumEnvironment(gymnasium.Env[FloatArray, NDArray[np.float32]]):
 def move(
     task: Environment, states: FloatArray, actions: FloatArray, jacobians: bool
 ) -> tuple[Transition, dict[str, FloatArray]]:
-    """One step of each row, with what `info` says of its derivatives: arrays [batch, ...]."""
+    """One step of each row, and the derivatives for `info`: arrays [batch, ...]."""
     if not jacobians:
         return task.step(states, actions), {}
     found = task.differentiate(states, actions)
@@ -120,7 +121,7 @@ def move(
 
 
 def first_seed(seed: int | None, random: np.random.Generator) -> int:
-    """The seed of an episode's start: the one given, or else the next one drawn."""
+    """The seed of an episode's start: the given one, otherwise the next one drawn."""
     return int(random.integers(SEEDS)) if seed is None else seed
 
 
@@ -133,7 +134,7 @@ def checked_actions(action: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
 
 
 def checked_render_mode(mode: str | None) -> str | None:
-    """The render mode, if it is one of ours. Raises ValueError otherwise."""
+    """The render mode, if it is supported. Raises ValueError otherwise."""
     if mode is not None and mode not in RENDER_MODES:
         raise ValueError(
             f"render_mode must be None or 'rgb_array', not {mode!r}; gymnasium.make shows "

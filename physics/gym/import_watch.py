@@ -1,6 +1,6 @@
-"""Import watch: do something once another package has been imported, and nothing until then.
+"""Import watch: call a function once another package has been imported.
 
-What only concerns the users of a package need not make everyone import it.
+Code that only concerns the users of a package need not make everyone import it.
 """
 
 import sys
@@ -23,9 +23,9 @@ def when_imported(package: str, action: Callable[[], None]) -> None:
 
 
 class _Watch:
-    """A finder that leaves the finding to those behind it, and acts once what they found has run.
+    """A finder that delegates to the finders behind it, and acts once the found module has run.
 
-    Looking for the package without importing it, as `importlib.util.find_spec` does, is no import.
+    Finding the package without importing it, as `importlib.util.find_spec` does, does not count.
     """
 
     def __init__(self, package: str, action: Callable[[], None]) -> None:
@@ -35,7 +35,7 @@ class _Watch:
     def find_spec(
         self, name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """The package's spec, with the action behind its code; None for any other name."""
+        """The package's spec, whose loader also calls the action; None for any other name."""
         if name != self._package:
             return None
         behind = list(dropwhile(lambda finder: finder is not self, sys.meta_path))[1:]
@@ -46,7 +46,7 @@ class _Watch:
         return spec
 
     def _act_after(self, loader: "Loader") -> None:
-        """Let this loader act when the package's code has run; in all else it stays what it was."""
+        """Make this loader call the action after the package's code; change nothing else."""
         run = loader.exec_module
 
         def run_and_act(module: ModuleType) -> None:

@@ -1,9 +1,10 @@
 """Gymnasium's registry: every task as `d3pg/<Name>-v0`, from the moment Gymnasium is imported.
 
-A name's slash is a hyphen there, where a slash follows the namespace: `d3pg/mujoco-Hopper-v0`.
+A slash in a task's name becomes a hyphen, since an id's slash follows the namespace:
+`d3pg/mujoco-Hopper-v0`.
 
-No simulator is loaded before it is made: a task's module may take seconds to load, may be an
-installed package that fails to, or may be the very one that is being imported.
+No simulator is loaded before a task is made: a task's module may take seconds to load, may be in an
+installed package that fails to load, or may be the one that is being imported.
 """
 
 from dataclasses import asdict
@@ -20,12 +21,12 @@ if TYPE_CHECKING:
 
 
 class TaskSpec(EnvSpec):
-    """The spec of a task, which looks up the task's horizon when first asked for it."""
+    """The spec of a task, which looks up the task's horizon on first use."""
 
     def __post_init__(self) -> None:
-        """Forget the time limit if none was given: the property below finds it.
+        """Remove the time limit if none was given: the property below looks it up.
 
-        The task is kept beside `kwargs`, which `gymnasium.make_vec` empties before it asks for the
+        The task is stored outside `kwargs`, which `gymnasium.make_vec` empties before it reads the
         time limit.
         """
         super().__post_init__()
@@ -39,7 +40,7 @@ class TaskSpec(EnvSpec):
         return as_task(self._task).horizon
 
     def __eq__(self, other: object) -> bool:
-        """Whether the other spec says the same, whichever of the two classes it is of."""
+        """Whether the other spec is equal, be it a `TaskSpec` or an `EnvSpec`."""
         return isinstance(other, EnvSpec) and asdict(self) == asdict(other)
 
     __hash__ = None  # type: ignore[assignment] # as every EnvSpec

@@ -1,9 +1,9 @@
 """Gymnasium's spaces of a task.
 
-observation   Box of the features, float64: what a network sees, to the last bit. Finite where
-              the task promises bounds: cosines and sines, `Environment.bounds` where they are
-              observed without noise, clipped features
-action        Box(-1, 1), float32, as policies give them; float64 actions are taken unrounded
+observation   Box of the features, float64: the exact bits that a network sees. Its bounds are
+              finite where the task guarantees them: cosines and sines, `Environment.bounds` where
+              coordinates are observed without noise, clipped features
+action        Box(-1, 1), float32, as policies return them; float64 actions are used unrounded
 """
 
 import numpy as np
@@ -16,7 +16,7 @@ SINE = (-1.0, 1.0)
 
 
 def observation_space(task: Environment) -> Box[np.float64]:
-    """Where the features [F] lie."""
+    """The space of the features [F]."""
     promised = {} if task.observation_noise else task.bounds
     bounds = [
         SINE if source in task.angles else promised.get(source, UNBOUNDED)
@@ -28,5 +28,5 @@ def observation_space(task: Environment) -> Box[np.float64]:
 
 
 def action_space(task: Environment) -> Box[np.float32]:
-    """Where the actions [m] lie; beyond, they are clipped."""
+    """The space of the actions [m]; actions outside are clipped."""
     return Box(-1.0, 1.0, (task.action_size,), np.float32)

@@ -1,4 +1,4 @@
-"""Starts that are asked for, `reset(options={"state": ...})`: checked before anything changes."""
+"""Start states given by `reset(options={"state": ...})`, checked before anything changes."""
 
 from collections.abc import Collection, Mapping
 from typing import Any
@@ -24,19 +24,19 @@ def checked_options(options: Mapping[str, Any] | None, known: Collection[str]) -
 
 
 def checked_states(task: Environment, asked: Any, rows: int | None = None) -> FloatArray:
-    """The start states that `options["state"]` asks for.
+    """The start states in `options["state"]`.
 
     Args:
-        task: whose states they are.
+        task: the task of the states.
         asked: a state [n]; where `rows` are given, also one for each of them [rows, n].
-        rows: how many environments there are side by side; None for a single one.
+        rows: the number of environments that run side by side; None for a single one.
 
     Returns:
         States [rows, n], or [1, n].
 
     Raises:
-        ValueError: for another shape, for what is no number, for NaN and infinity, and for a state
-            outside the task's domain.
+        ValueError: for another shape, for values that are not numbers, for NaN and infinity, and
+            for a state outside the task's domain.
     """
     states = _as_numbers(task, asked)
     shapes = [(task.state_size,)] + ([] if rows is None else [(rows, task.state_size)])

@@ -1,9 +1,10 @@
-"""Gymnasium's vector face of the tasks: `gymnasium.make_vec("d3pg/Pendulum-v0", num_envs=16)`.
+"""The tasks as vector environments: `gymnasium.make_vec("d3pg/Pendulum-v0", num_envs=16)`.
 
-All episodes move in one call of `Environment.step` or `differentiate`. What comes back is, bit for
-bit, what `gymnasium.vector.SyncVectorEnv` makes of as many `GymnasiumEnvironment`s: each row has
-a random generator of its own, `info` has an array [num_envs, ...] for each entry, and beside it
-"_" and its name, bool [num_envs], where it says something. The autoreset modes are Gymnasium's:
+All episodes advance in one call of `Environment.step` or `differentiate`. The results equal, bit
+for bit, those of `gymnasium.vector.SyncVectorEnv` with as many `GymnasiumEnvironment`s: each row
+has its own random generator, and `info` has an array [num_envs, ...] for each entry, and beside it,
+under "_" and its name, bool [num_envs], the rows for which the entry is set. The autoreset modes
+are Gymnasium's:
 
     NEXT_STEP   the step after an episode's end starts the next one; its action does not count
     SAME_STEP   the end and the next start share a step; what ended is in "final_obs", "final_info"
@@ -56,11 +57,12 @@ class GymnasiumVectorEnvironment(VectorEnv[FloatArray, NDArray[np.float32], NDAr
 
         Args:
             task: a name that `physics.make` takes, a class or an instance.
-            num_envs: how many episodes run at a time, from 1 on.
+            num_envs: how many episodes run at a time, at least 1.
             max_episode_steps: after how many steps an episode is truncated; None for the task's
                 horizon, -1 for never, as in `gymnasium.make`.
             render_mode: None or "rgb_array".
-            jacobians: whether `info` has the Jacobians of every step; without, a step costs less.
+            jacobians: whether `info` has the Jacobians of every step; a step costs less without
+                them.
             autoreset_mode: one of Gymnasium's modes, or its value ("NextStep").
             parameters: values of the task's physical parameters, such as `gravity=9.81`.
 
@@ -150,7 +152,7 @@ class GymnasiumVectorEnvironment(VectorEnv[FloatArray, NDArray[np.float32], NDAr
         return self.task.features(self._states), rewards, terminated, truncated, infos
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:
-        """The present states as images, or None without a render mode."""
+        """The current states as images, or None without a render mode."""
         if self.render_mode is None:
             return None
         self._refuse_unstarted()
@@ -159,7 +161,7 @@ class GymnasiumVectorEnvironment(VectorEnv[FloatArray, NDArray[np.float32], NDAr
     def _move(
         self, rows: BoolArray, actions: FloatArray
     ) -> tuple[FloatArray, BoolArray, dict[str, FloatArray]]:
-        """Advance these rows; rewards, ends and Jacobians of all of them, 0 in the others."""
+        """Advance these rows; return rewards, ends and Jacobians of all rows, 0 in the others."""
         transition, found = move(self.task, self._states[rows], actions[rows], self._jacobians)
         self._states[rows] = transition.next_state
         self._elapsed[rows] += 1
@@ -173,20 +175,20 @@ class GymnasiumVectorEnvironment(VectorEnv[FloatArray, NDArray[np.float32], NDAr
         self._ended[rows] = False
 
     def _drawn(self, rows: BoolArray, seeds: Sequence[int | None]) -> FloatArray:
-        """The start states of these rows, from their seeds or the next ones that they draw."""
+        """The start states of these rows, from their seeds or the next seeds that they draw."""
         return self.task.initial_states(
             [first_seed(seeds[row], self._seeded[row][0]) for row in np.flatnonzero(rows).tolist()]
         )
 
     def _reseeded(self, rows: BoolArray, seeds: Sequence[int | None]) -> list[_Seeded]:
-        """The generators of all rows, those of these rows new where they have a seed."""
+        """The generators of all rows, new ones for those of these rows that have a seed."""
         return [
             self._seeded[row] if seed is None or not chosen else seeding.np_random(seed)
             for row, (chosen, seed) in enumerate(zip(rows, seeds, strict=True))
         ]
 
     def _last_words(self, jacobians: Mapping[str, FloatArray], ended: BoolArray) -> Info:
-        """What `info` says of episodes that ended in this step."""
+        """The entries of `info` for episodes that ended in this step."""
         if not ended.any():
             return {}
         observations = np.full(self.num_envs, None, object)
@@ -246,7 +248,7 @@ def _spread(values: NDArray[Any], rows: BoolArray) -> NDArray[Any]:
 
 
 def _entries(arrays: Mapping[str, NDArray[Any]], rows: BoolArray) -> Info:
-    """Arrays of all rows as entries of `info` that speak of these rows alone, if of any."""
+    """Arrays of all rows as entries of `info` for these rows alone; none if there are no rows."""
     if not rows.any():
         return {}
     entries = {name: _spread(array[rows], rows) for name, array in arrays.items()}
@@ -254,7 +256,7 @@ def _entries(arrays: Mapping[str, NDArray[Any]], rows: BoolArray) -> Info:
 
 
 def _time_limit(steps: int | None, horizon: int) -> int:
-    """After how many steps an episode is truncated."""
+    """The number of steps after which an episode is truncated."""
     if steps is None:
         return horizon
     return np.iinfo(np.int64).max if steps == -1 else _at_least_one(steps, "max_episode_steps")

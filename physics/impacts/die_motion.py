@@ -1,4 +1,4 @@
-"""How a square die falls on flat ground: the exact, event-driven motion of one step.
+"""The motion of a square die over flat ground in one step: exact and event-driven.
 
     flight       until a corner touches the ground, gap <= 0 and v < 0
     touch        an impact (Poisson's restitution, Coulomb friction) if it comes with -v >= vs,
@@ -10,8 +10,9 @@
     E = vy^2 / 2 + omega^2 / 12 + g (y - 1/2)       excess energy over lying still
 
 Energy never grows without torque, no corner sinks, no impulse leaves its cone. The derivative is
-that of this map: a touch moves in time by dt = -(d gap) / v, its impulse with angle, slip and rate.
-At an equality it is that of the branch which the inequality, as written, names.
+that of this map: the time of a touch changes by dt = -(d gap) / v, and its impulse depends on
+angle, slip and rate. At an equality the derivative is that of the branch that the inequality
+selects as written.
 
 Glossary: gap height of a corner (m), v its rate, u its slip (m/s); vs settling speed; Er rest
 energy; tau time left of the step (s); alpha angular acceleration (rad/s^2). Corner i lies at
@@ -61,7 +62,7 @@ REST_ENERGY = 0.01  # Er
 
 
 class Laws(NamedTuple):
-    """What may be changed of how a die falls."""
+    """The constants of a die's fall that may be changed."""
 
     gravity: float
     """m/s^2"""
@@ -75,12 +76,12 @@ MAX_TOUCHES = 64
 BISECTIONS = 64  # of at most 0.02 s: down to 1e-21 s
 
 MAX_CONTACTS = MAX_TOUCHES + 2  # one settled from the start, one lying
-SUNK_DEPTH = 1e-12  # m: a corner deeper than this was put below the ground, not rounded there
+SUNK_DEPTH = 1e-12  # m: a deeper corner was placed below the ground; its depth is not rounding
 
 
 @compiled
 def excess_energy(body: FlyingBody, laws: Laws) -> float:
-    """E (J), over that of a die lying still."""
+    """The excess energy E (J) over that of a die lying still."""
     turning = 0.5 * INERTIA * body.spin * body.spin
     return 0.5 * body.vy * body.vy + turning + laws.gravity * (body.y - REST_HEIGHT)
 
@@ -111,10 +112,10 @@ def move(
 
     Args:
         body: the die.
-        tangent: moved along; None to do without derivatives.
-        trace: all 0, gets a row for each contact; None to do without.
+        tangent: its tangent, moved in place; None for a motion without derivatives.
+        trace: all 0 on entry, filled with a row for each contact; None for none.
         alpha: angular acceleration.
-        laws: of gravity and contact.
+        laws: the constants of gravity and contact.
     """
     if excess_energy(body, laws) < REST_ENERGY:
         return lie(body, tangent, trace, False, laws)
@@ -159,7 +160,7 @@ def bounce(
 
 @compiled
 def settled_corner(body: FlyingBody, laws: Laws) -> int:
-    """The corner that is as good as on the ground, v^2 + 2 g gap < vs^2: the lowest, or none."""
+    """The lowest corner that counts as settled, v^2 + 2 g gap < vs^2, or NO_TOUCH."""
     if 2.0 * laws.gravity * (body.y - REACH) >= SETTLING_SPEED * SETTLING_SPEED:
         return NO_TOUCH
     settled, lowest = NO_TOUCH, math.inf
@@ -186,7 +187,7 @@ def settle(
 ) -> tuple[FlyingBody, int]:
     """Settled contact of a corner until the time is up (NO_TOUCH), or until another one lands.
 
-    `touched` says whether it comes from a touch within the step, which only the trace tells.
+    `touched` says whether it comes from a touch within the step; only the trace records this.
     """
     duration, landing = body.time, NO_TOUCH
     after, _ = glide(body, None, corner, duration, alpha, laws)
@@ -215,7 +216,7 @@ def glide(
     alpha: float,
     laws: Laws,
 ) -> tuple[FlyingBody, Impulse]:
-    """Settled contact of a corner for a duration: one impulse, then the pose moves along."""
+    """Settled contact of a corner for a duration: one impulse, then motion at constant velocity."""
     rx, ry = lever(body.angle, corner)
     body = accelerate(body, tangent, duration, laws.gravity, alpha)
     impulse = settling_impulse(contact_at(body, rx, ry, INERTIA), laws.friction)
@@ -225,7 +226,7 @@ def glide(
 
 @compiled
 def landing_time(body: FlyingBody, corner: int, landing: int, alpha: float, laws: Laws) -> float:
-    """How long a corner can settle until another one lands, by bisection, that one not below."""
+    """How long a corner can settle until `landing` lands, by bisection; `landing` is above then."""
     clear, sunk = 0.0, body.time
     for _ in range(BISECTIONS):
         middle = 0.5 * (clear + sunk)
@@ -240,7 +241,7 @@ def landing_time(body: FlyingBody, corner: int, landing: int, alpha: float, laws
 def lie(
     body: FlyingBody, tangent: BodyTangent | None, trace: Trace | None, touched: bool, laws: Laws
 ) -> FlyingBody:
-    """Lie flat for the time that is left, sliding to rest; `touched` as in `settle`."""
+    """Lie flat for the remaining time, sliding to rest; `touched` as in `settle`."""
     braking = laws.gravity * laws.friction
     stops = abs(body.vx) <= braking * body.time
     deceleration = math.copysign(braking, body.vx)
@@ -269,7 +270,7 @@ def lie(
 def contact_event(
     kind: float, body: FlyingBody, corner: int, impulse: Impulse, touched: bool, landing: int
 ) -> Event:
-    """The event of an impulse at a corner, from the die as it was before."""
+    """The event of an impulse at a corner, from the die before it."""
     rx, ry = lever(body.angle, corner)
     return Event(
         kind=kind,
@@ -290,7 +291,7 @@ def contact_event(
 
 @compiled
 def lying_event(body: FlyingBody, stops: bool, touched: bool) -> Event:
-    """The event of lying flat, from the die as it was before."""
+    """The event of lying flat, from the die before it."""
     return Event(
         kind=LYING,
         corner=float(NO_TOUCH),

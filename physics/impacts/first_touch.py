@@ -2,13 +2,13 @@
 
     gap(t + s) >= gap(t) + v(t) s - M s^2 / 2,      M = g + |alpha| reach + omega_max^2 reach
 
-holds for every corner, for its gap'' is -g + alpha rx - omega^2 ry. The root of the right side is a
-time for which the corner stays clear of the ground, so the search goes there and looks again: it
-cannot jump over a dip, however brief, and near a touch it converges as Newton's method does, from
-the safe side.
+holds for every corner, because its gap'' is -g + alpha rx - omega^2 ry. The corner stays clear of
+the ground until the root of the right side, so the search advances to that root and repeats: it
+cannot miss a dip, however brief, and near a touch it converges as Newton's method does, from the
+safe side.
 
 Glossary: gap height of a corner (m); v its rate (m/s); (rx, ry) the corner seen from the centre, at
-most `reach` away; g gravity; alpha angular acceleration; omega_max the fastest turning in the time.
+most `reach` away; g gravity; alpha angular acceleration; omega_max the largest turning rate.
 Source: Mirtich, "Impulse-based dynamic simulation of rigid body systems", thesis, Berkeley, 1996.
 """
 
@@ -32,11 +32,11 @@ Corners = NDArray[np.float64]
 def first_touch(
     body: FlyingBody, corners: Corners, reach: float, gravity: float, alpha: float
 ) -> tuple[int, float]:
-    """First corner to have gap <= 0 and v < 0 in the time left, and after how long (s).
+    """The first corner with gap <= 0 and v < 0 in the time left, and the time until then (s).
 
-    Moments closer than SAME_MOMENT count as equal, then the smallest index comes first. Corners are
+    Moments closer than SAME_MOMENT count as equal; the smallest index then comes first. Corners are
     `[n, 2]`, seen from the centre at angle 0. Returns NO_TOUCH and the time left if none touches,
-    NO_TOUCH and NaN if the search does not end (a die that turns a thousand times a step).
+    and NO_TOUCH and NaN if the search does not end (a die that turns a thousand times a step).
     """
     time_left = body.time
     if min(body.y, fly(body, None, time_left, gravity, alpha).y) > reach:
@@ -53,13 +53,13 @@ def first_touch(
             ry = sine * corners[corner, 0] + cosine * corners[corner, 1]
             gap, rate = at.y + ry, at.vy + at.spin * rx
             if gap > 0.0 and gap + at.time * (rate - 0.5 * M * at.time) > 0.0:
-                continue  # clear to the end, for the bound is concave in time
+                continue  # clear to the end, because the bound is concave in time
             corner_clear = _clear_time(gap, rate, M)
             clear = min(clear, corner_clear)
             if rate < 0.0 and corner_clear < after - SAME_MOMENT:
                 touching, closing, after = corner, -rate, corner_clear
         if after <= clear + SAME_MOMENT and 0.5 * M * after * after <= ARRIVED * closing:
-            # What the bound may lack of the gap, seen from here, is no more than rounding.
+            # The bound and the gap differ from here by no more than rounding.
             return touching, min(moment + after, time_left)
         moment += max(clear, ARRIVED)
         if moment > time_left:

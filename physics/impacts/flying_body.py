@@ -1,19 +1,19 @@
-"""A planar rigid body of unit mass in free flight and under impulses, its tangent beside it.
+"""A planar rigid body of unit mass in free flight and under impulses, with its tangent.
 
     x(t) = x + vx t                 vx(t) = vx
     y(t) = y + vy t - g t^2 / 2     vy(t) = vy - g t
     theta(t) = theta + omega t + alpha t^2 / 2      omega(t) = omega + alpha t
 
 The tangent of a body is an array `[7, 8]`, a row for each of its numbers: column k < 7 is the
-derivative in input k (the six coordinates it started from, then alpha), column LAPSE how the body
-changes if its last motion takes longer. Whoever knows what ends that motion calls `end_with_time`
-or `end_with_gap`, which turn the lapse into derivatives: a moment found from the state moves with
-the state. An impact in between makes this the saltation matrix (Kong and others, equation 5): what
-the flight before it gains by its delay, the flight after it loses from the time that is left.
+derivative in input k (the six coordinates it started from, then alpha), and column LAPSE is the
+derivative in the duration of the last motion. The caller that ends a motion calls `end_with_time`
+or `end_with_gap`, which turn the lapse into derivatives: a moment that depends on the state changes
+with the state. With an impact in between, this is the saltation matrix (Kong and others, equation
+5): the time by which the flight before it is longer is lost to the flight after it.
 
-Every motion returns the moved body and moves the tangent in place, unless that is None; which of
-the two is settled when the kernel is compiled, so that a step without derivatives costs nothing
-more and still is the same code.
+Every motion returns the moved body and moves the tangent in place, unless it is None. This is
+decided when the kernel is compiled, so that a step without derivatives has no extra cost and uses
+the same code.
 
 Glossary: g gravity (m/s^2, downwards); alpha angular acceleration (rad/s^2); (rx, ry) a point of
 the body seen from its centre; gap = y + ry its height; inertia per unit mass (m^2).
@@ -30,7 +30,7 @@ from physics.kernels.compiled import compiled
 
 
 class FlyingBody(NamedTuple):
-    """Pose (m, m, rad), velocity (m/s, m/s, rad/s), and the time it has left to move (s)."""
+    """Pose (m, m, rad), velocity (m/s, m/s, rad/s), and the remaining time of its motion (s)."""
 
     x: float
     y: float
@@ -53,7 +53,7 @@ SPIN = 5
 TIME = 6
 ROWS = 7
 
-# Columns of a tangent that are no coordinate.
+# Columns of a tangent that are not coordinates.
 ALPHA = 6
 LAPSE = 7
 COLUMNS = 8
@@ -94,7 +94,7 @@ def fly(
 def accelerate(
     body: FlyingBody, tangent: BodyTangent | None, duration: float, gravity: float, alpha: float
 ) -> FlyingBody:
-    """Change the velocity as a flight of this duration does, the pose as it is."""
+    """Change the velocity as a flight of this duration does, and leave the pose."""
     if tangent is not None:
         tangent[SPIN, ALPHA] += duration
         _set_lapse(tangent, 0.0, 0.0, 0.0, gravity, alpha)
@@ -111,7 +111,7 @@ def accelerate(
 
 @compiled
 def coast(body: FlyingBody, tangent: BodyTangent | None, duration: float) -> FlyingBody:
-    """Move the pose along for a duration, the velocity as it is."""
+    """Move the pose for a duration at constant velocity."""
     if tangent is not None:
         _coast(tangent, duration)
         for row in range(VX):
@@ -141,7 +141,7 @@ def _coast(tangent: BodyTangent, duration: float) -> None:
 def _set_lapse(
     tangent: BodyTangent, vx: float, vy: float, spin: float, gravity: float, alpha: float
 ) -> None:
-    """The pose changes by this velocity as the motion takes longer, the velocity by its force."""
+    """Set column LAPSE: the pose changes by this velocity, the velocity by this acceleration."""
     tangent[X, LAPSE] = vx
     tangent[Y, LAPSE] = vy
     tangent[ANGLE, LAPSE] = spin
@@ -153,7 +153,7 @@ def _set_lapse(
 
 @compiled
 def end_with_time(tangent: BodyTangent) -> None:
-    """Let the last motion end with the time that was left: dt = d time."""
+    """Let the last motion end with the remaining time: dt = d time."""
     for k in range(LAPSE):
         delay = tangent[TIME, k]
         for row in range(ROWS):

@@ -8,12 +8,12 @@ An impulse of tangential part `pt` and normal part `pn` at a contact changes its
 `routh_impulse` is an impact: Poisson's hypothesis (the restitution adds `e` times the normal
 impulse of the compression) on Routh's path, which follows (pt, pn) as pn grows:
 
-    slip     pt = k pn,  k = -mu sign(u),  until the slip is used up at ps = -u / (C + k A)
+    slip     pt = k pn,  k = -mu sign(u),  until the slip ends at ps = -u / (C + k A)
     stick    u = 0, so pt = -(u + C pn) / A, if |C| <= mu A
-    reverse  dpt/dpn = r = -mu sign(C) otherwise: friction cannot hold, the slip turns round
+    reverse  dpt/dpn = r = -mu sign(C) otherwise: friction cannot hold, the slip reverses
 
-`settling_impulse` is a contact without rebound: (pt, pn) ends at u' = v' = 0 if the friction can
-hold it there, else it slides with k = mu sign(pt of the stick), against its final slip.
+`settling_impulse` is a contact without rebound: (pt, pn) ends at u' = v' = 0 if friction can hold
+it there; otherwise it slides with k = mu sign(pt of the stick), against its final slip.
 
 Glossary: A, B, C inverse inertia felt at the contact, per unit mass (A B > C^2, B > mu |C|); u, v
 before the impulse (m/s); mu friction; e restitution; k, r ratios pt / pn while slipping; ps, pc the
@@ -38,7 +38,7 @@ PATHS = ("none", "slide", "stick", "late stick", "reverse", "late reverse")
 
 
 class Contact(NamedTuple):
-    """What a contact knows before its impulse, or a derivative of that."""
+    """The quantities of a contact before its impulse, or a derivative of them."""
 
     A: float
     B: float
@@ -48,13 +48,13 @@ class Contact(NamedTuple):
 
 
 class Impulse(NamedTuple):
-    """An impulse and how it came about."""
+    """An impulse and the path that led to it."""
 
     tangential: float
     normal: float
     path: int
-    k: float  # ratio of the parts while the contact slips as it came
-    r: float  # ratio of the parts after the slip has turned round
+    k: float  # ratio of the parts while the contact slips in its first direction
+    r: float  # ratio of the parts after the slip has reversed
     restitution: float
 
 
@@ -115,7 +115,7 @@ def impulse_derivative(contact: Contact, impulse: Impulse, change: Contact) -> t
         return 0.0, 0.0
     pc = pn / (1.0 + restitution)
     ps, dps = 0.0, 0.0
-    if path >= REVERSE and k != 0.0:  # u = 0 turns round at once
+    if path >= REVERSE and k != 0.0:  # u = 0 reverses at once
         ps = -u / (C + k * A)
         dps = -(du + (dC + k * dA) * ps) / (C + k * A)
     if path == STICK:

@@ -1,8 +1,8 @@
-"""What happened at the contacts of one step, for whoever audits or draws it.
+"""The events at the contacts of one step, for audits and drawings.
 
 A trace is an array `[contacts, FIELDS]` of events in the order of their moments; a row of kind 0 is
 still free. The first fields of an event name the branches that the motion took there: two steps lie
-on the same smooth piece of the map if and only if all their events agree in them.
+on the same smooth piece of the map if and only if all their events agree in these fields.
 """
 
 from typing import NamedTuple
@@ -23,11 +23,11 @@ class Event(NamedTuple):
     kind: float
     """IMPACT, SETTLED or LYING."""
     corner: float
-    """Which one; -1 when lying."""
+    """The index of the corner; -1 when lying."""
     path: float
-    """Path of the impulse (impacts.impulse); when lying, whether it slides on to the end (1)."""
+    """Path of the impulse (impacts.impulse); when lying, 1 if it slides to the end of the step."""
     side: float
-    """Sign of the slip that the friction opposes, 0 where it makes no difference."""
+    """Sign of the slip that friction opposes, 0 where it makes no difference."""
     touched: float
     """1 if it came from a touch within the step, 0 if the step began with it."""
     landing: float
@@ -35,7 +35,7 @@ class Event(NamedTuple):
     sunk: float
     """1 if the corner began below the ground, by more than rounding."""
     time_left: float
-    """Of the step, as the contact begins (s)."""
+    """Remaining time of the step as the contact begins (s)."""
     x: float
     y: float
     """Where the corner is (m)."""
@@ -48,7 +48,7 @@ KIND, PATH, LANDING = (Event._fields.index(name) for name in ("kind", "path", "l
 BRANCH_FIELDS = Event._fields.index("time_left")
 FIELDS = len(Event._fields)
 
-# Odd and large: codes of different branches meet by a chance of 2^-64.
+# Odd and large: codes of different branches coincide with probability 2^-64.
 _MULTIPLIER = -7046029254386353131
 
 

@@ -1,1 +1,1 @@
-"""Kernels: compiling, and keeping what was compiled."""
+"""Kernels: compiling them, and caching the compiled code."""

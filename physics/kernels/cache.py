@@ -1,11 +1,11 @@
 """Kernel cache: numba's files of machine code, each sealed by the SHA-256 of its contents.
 
-numba reads what lies on the disk as it is: a file cut short is an `EOFError` at every use, and one
-with a flipped bit is other machine code. Here a file without its seal counts as missing: its kernel
-is compiled again and the file replaced. Where nothing can be written, nothing is kept.
+numba does not check the files that it reads: a truncated file is an `EOFError` at every use, and a
+flipped bit changes the machine code. Here a file without its seal counts as missing: its kernel is
+compiled again and the file replaced. Where nothing can be written, nothing is cached.
 
-Of several processes that need a kernel at the same time, one compiles it and the others wait for
-its file. The lock is the operating system's: it goes with the process that holds it.
+If several processes need a kernel at the same time, one compiles it and the others wait for its
+file. The lock is the operating system's: it is released when the process that holds it ends.
 """
 
 import hashlib
@@ -26,23 +26,23 @@ _compiler_lock: Any = global_compiler_lock
 _SEAL = hashlib.sha256().digest_size
 
 WAITING = "d3pg:waiting_for_kernel"
-"""The event, one of numba's, of waiting for a kernel that another process compiles."""
+"""The numba event of waiting for a kernel that another process compiles."""
 PATIENCE_SECONDS = 600.0
-"""After so long a kernel is compiled here too: the other process may have been suspended."""
+"""After this time a kernel is compiled here too: the other process may be suspended."""
 
 
 class _Folder(_caching.UserProvidedCacheLocator):  # type: ignore[misc]
-    """numba's `CACHE_DIR`, without a folder in it for the place of the source."""
+    """numba's `CACHE_DIR`, without a subfolder for the path of the source."""
 
     @classmethod
     def get_suitable_cache_subpath(cls, py_file: str) -> str:
-        """None: what `CACHE_DIR` is called tells the source."""
+        """Return "", no subfolder: the name of `CACHE_DIR` already identifies the source."""
         del py_file
         return ""
 
 
 class _MachineCode(_caching.CompileResultCacheImpl):  # type: ignore[misc]
-    """numba's results, kept there."""
+    """numba's compiled results, cached in this folder."""
 
     _locator_classes = (_Folder,)
 
@@ -53,7 +53,7 @@ class KernelCache(_caching.FunctionCache):  # type: ignore[misc]
     _impl_class = _MachineCode
 
     def __init__(self, function: Callable[..., Any]) -> None:
-        """Look in numba's `CACHE_DIR` of this moment."""
+        """Use the present value of numba's `CACHE_DIR`."""
         super().__init__(function)
         self._cache_file = _SealedFiles(
             cache_path=self.cache_path,
@@ -74,7 +74,7 @@ class KernelCache(_caching.FunctionCache):  # type: ignore[misc]
         return compile_or_wait
 
     def load_overload(self, signature: Any, target: Any) -> Any:
-        """Return what is kept; None: it is to be compiled, and other processes wait meanwhile."""
+        """Return the cached code; None if it must be compiled, while other processes wait."""
         kept = super().load_overload(signature, target)
         if kept is None:
             self._until_saved.enter_context(_locked(self._lock_path))
@@ -82,14 +82,14 @@ class KernelCache(_caching.FunctionCache):  # type: ignore[misc]
         return kept
 
     def save_overload(self, signature: Any, data: Any) -> None:
-        """Keep what was compiled; a full disk, say, only means that it is compiled again."""
+        """Cache the compiled code; on an error, such as a full disk, it will be compiled again."""
         with suppress(OSError):
             super().save_overload(signature, data)
 
 
 @contextmanager
 def _locked(path: Path) -> Iterator[None]:
-    """Hold the lock; go without where it cannot be made, or another process keeps it too long."""
+    """Hold the lock; continue without it if it cannot be made or is held for too long."""
     lock = FileLock(path)
     with ExitStack() as held:
         with suppress(OSError):  # a Timeout is one too
@@ -102,14 +102,14 @@ def _locked(path: Path) -> Iterator[None]:
 
 
 class _SealedFiles(_caching.IndexDataCacheFile):  # type: ignore[misc]
-    """The index of a function's signatures and the code of each: pickles, which a seal follows."""
+    """The index of a function's signatures and the code of each: pickles, each with a seal."""
 
     def _load_index(self) -> Any:
         return super()._load_index() if _is_sealed(Path(self._index_path)) else {}
 
     def _load_data(self, name: str) -> Any:
         if not _is_sealed(Path(self._data_path(name))):
-            raise FileNotFoundError(f"{name} is damaged")  # which numba takes for a missing one
+            raise FileNotFoundError(f"{name} is damaged")  # numba treats it as missing
         return super()._load_data(name)
 
     @contextmanager
@@ -121,7 +121,7 @@ class _SealedFiles(_caching.IndexDataCacheFile):  # type: ignore[misc]
 
 
 def _is_sealed(path: Path) -> bool:
-    """Whether a file can be read and ends with the hash of what stands before."""
+    """Whether a file can be read and ends with the hash of the contents before it."""
     try:
         contents = path.read_bytes()
     except OSError:

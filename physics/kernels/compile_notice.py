@@ -2,8 +2,8 @@
 
     compiling kernels for Pendulum (once on this machine) ........ 2.1 s
 
-One dot a kernel, compiled here or by another process meanwhile. Where all kernels come from the
-cache, nothing is written.
+There is one dot for each kernel that this process or another one compiles. If all kernels come from
+the cache, nothing is written.
 """
 
 import sys
@@ -19,18 +19,18 @@ from physics.kernels.cache import WAITING
 T = TypeVar("T")
 
 _events: Any = event  # without types
-_COMPILING = ("numba:compile", WAITING)  # events; loading from the cache is none
+_COMPILING = ("numba:compile", WAITING)  # events; loading from the cache triggers neither
 
 
 class _Notice(event.Listener):
-    """The line of one wait: begun with the first kernel, a dot for each one done."""
+    """The line of one wait: the first kernel begins it, each compiled kernel adds a dot."""
 
     def __init__(self, purpose: str, stream: TextIO) -> None:
         self.purpose = purpose
         self.stream = stream
         self.kernels = 0
         self.seconds = 0.0
-        self._begun: list[float] = []  # a kernel compiles those that it calls before itself
+        self._begun: list[float] = []  # nested: a kernel first compiles those that it calls
 
     def on_start(self, event: Any) -> None:
         """Begin the line, if this is the first kernel."""
@@ -60,7 +60,7 @@ class _Notice(event.Listener):
 
 @contextmanager
 def compile_notice(purpose: str) -> Iterator[None]:
-    """Say that kernels are being compiled, and what for, whenever any are meanwhile."""
+    """Write a notice, with the purpose, if kernels are compiled within this context."""
     notice = _Notice(purpose, sys.stderr)
     for kind in _COMPILING:
         _events.register(kind, notice)
@@ -73,7 +73,7 @@ def compile_notice(purpose: str) -> Iterator[None]:
 
 
 def noticed(items: Iterator[T], purpose: str) -> Iterator[T]:
-    """The same items; what is compiled while the next one is made is told of."""
+    """Yield the same items, with a notice if making the next one compiles kernels."""
     end = object()
     while True:
         with compile_notice(purpose):

@@ -1,9 +1,9 @@
-"""Compiled code: the decorators for numba kernels, and where their machine code is kept.
+"""Compiled code: the decorators for numba kernels, and where their machine code is cached.
 
-Numba keeps compiled kernels on disk, but looks at the kernel's own file alone: it would go on using
-an old kernel after a function in another file, which that kernel calls, was changed. So the kernels
-of a file lie in a folder named after a hash of that file and of all it imports: a change compiles
-again what it may concern, and nothing else, and every checkout of the same source finds the same.
+Numba caches compiled kernels on disk, but checks only the kernel's own file: it would continue to
+use an old kernel after a change to a function that the kernel calls from another file. So the
+kernels of a file lie in a folder named after a hash of that file and of all it imports: a change
+recompiles only the kernels that it may affect, and all checkouts of the same source share them.
 """
 
 import os
@@ -20,30 +20,30 @@ from physics.kernels.linking import Kernel
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-# Rounding may be reordered and fused; NaN and infinity keep their meaning, so that a diverging
-# network is still seen to diverge.
+# Operations may be reordered and fused; NaN and infinity keep their meaning, so that a diverging
+# network is still detected.
 _REORDERED = {"reassoc", "contract", "nsz", "arcp"}
 
 
 def compiled(function: F) -> F:
-    """Compile a physics kernel: IEEE arithmetic as written, GIL released, kept on disk."""
+    """Compile a physics kernel: IEEE arithmetic as written, GIL released, cached on disk."""
     return _kernel(function, fastmath=False)
 
 
 def compiled_fast(function: F) -> F:
     """Compile a network kernel: as `compiled`, but sums may be reordered and fused.
 
-    How a loop is reordered must not depend on where its arrays lie. So no loop both sums and
-    stores: whether such a loop may be vectorised is found out as it runs, from how far apart its
-    arrays are, and a vectorised sum has other bits.
+    The order of a loop's operations must not depend on where its arrays lie. So no loop both sums
+    and stores: whether such a loop is vectorised is decided as it runs, by the distance between its
+    arrays, and a vectorised sum has other bits.
     """
     return _kernel(function, fastmath=_REORDERED)
 
 
 def _kernel(function: F, fastmath: bool | set[str]) -> F:
-    """Compile `function` with our cache folder, leaving numba's own setting to other packages."""
+    """Compile `function` with our cache folder, and leave numba's own setting to other packages."""
     config: Any = numba.config
-    if config.DISABLE_JIT:  # to look for a mistake in Python
+    if config.DISABLE_JIT:  # for debugging in Python
         return function
     others = config.CACHE_DIR
     folder = _cache_folder(function.__code__.co_filename)

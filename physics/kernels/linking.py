@@ -1,11 +1,11 @@
 """Linking: each kernel is optimised once, as a whole, together with all that it calls.
 
-numba compiles a callee to machine code of its own, and once more within every caller, and that
-caller within its own caller: a kernel of five levels is optimised five times. And a callee whose
-sums may be reordered is then in memory in several versions, with other bits each. Here a function
-that a kernel calls is a *part*: LLVM code that nothing has optimised, without machine code, without
-a way in from Python. A *kernel*, which Python calls, links the parts, makes them its own (internal
-to its module) and is optimised and made machine code once.
+numba compiles a callee to machine code of its own, and again within every caller, and that caller
+within its own caller: a kernel of five levels is optimised five times. A callee whose sums may be
+reordered is then in memory in several versions, each with other bits. Here a function that a kernel
+calls is a *part*: unoptimised LLVM code, without machine code and without an entry point for
+Python. A *kernel*, which Python calls, links the parts, makes them internal to its module, and is
+optimised and compiled to machine code once.
 """
 
 from collections.abc import Callable
@@ -16,11 +16,11 @@ from numba.core import codegen, compiler, registry
 _codegen: Any = codegen  # these three without types
 _compiler: Any = compiler
 _registry: Any = registry
-_ENVIRONMENT = "_ZN08NumbaEnv"  # how the names of numba's global variables of a function begin
+_ENVIRONMENT = "_ZN08NumbaEnv"  # prefix of the names of a function's global variables in numba
 
 
 class Kernel(_registry.CPUDispatcher):  # type: ignore[misc]
-    """A compiled function: a kernel to Python that calls it, a part to the kernels that call it."""
+    """A compiled function: a kernel when Python calls it, a part when a kernel calls it."""
 
     def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
         """Compile nothing yet; the options are those of `numba.njit`."""
@@ -33,7 +33,7 @@ class Kernel(_registry.CPUDispatcher):  # type: ignore[misc]
 
     @property
     def _numba_type_(self) -> Any:
-        """What compiled code sees of it: the part."""
+        """The numba type that compiled code uses: that of the part."""
         return self._part._numba_type_
 
 
@@ -76,7 +76,7 @@ class _PartLibrary(_codegen.JITCodeLibrary):  # type: ignore[misc]
 
 
 class _WithoutEnvironments:
-    """A codegen for what has no global variables in memory yet."""
+    """A codegen for code whose global variables are not in memory yet."""
 
     def __init__(self, codegen: Any) -> None:
         self._codegen = codegen

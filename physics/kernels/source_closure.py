@@ -1,9 +1,9 @@
 """The source closure of a module: its own file and every file of its project that it imports.
 
-One hash of their contents changes whenever the module's behaviour may. The project is this one, and
-the package that the module lies in, where that is another's. An import from the project that cannot
-be resolved to a file is an error: kernels would be taken from the cache though what they call has
-changed.
+The hash of their contents changes whenever the module's behaviour may change. The project is this
+one, and the package of the module where that belongs to another project. An import from the project
+that cannot be resolved to a file is an error: kernels would be taken from the cache although the
+code that they call has changed.
 """
 
 import ast
@@ -21,7 +21,7 @@ def digest(file: Path) -> str:
     """The hash of a file's closure, 16 hexadecimal digits.
 
     Raises:
-        ImportError: for an import from the project that names no file.
+        ImportError: for an import from the project that does not name a file.
     """
     result = hashlib.sha256()
     for member in sorted(closure(file)):
@@ -48,7 +48,7 @@ def closure(file: Path) -> set[Path]:
 
 @cache
 def _imported(file: Path) -> frozenset[Path]:
-    """The files that one file names in its import statements, those of packages included."""
+    """The files that one file names in its import statements, including those of packages."""
     found: set[Path] = set()
     for node in ast.walk(ast.parse(file.read_bytes())):
         for module, *parts in _named(node, file):
@@ -60,7 +60,7 @@ def _imported(file: Path) -> frozenset[Path]:
 
 
 def _named(node: ast.AST, file: Path) -> Iterator[tuple[str, ...]]:
-    """The modules that a node imports, each with what it takes from them."""
+    """The modules that a node imports, each with the names that it imports from them."""
     if isinstance(node, ast.Import):
         yield from ((alias.name,) for alias in node.names)
     elif isinstance(node, ast.ImportFrom):
@@ -70,7 +70,7 @@ def _named(node: ast.AST, file: Path) -> Iterator[tuple[str, ...]]:
 
 
 def _home(module: str, file: Path) -> Path | None:
-    """The folder that a module of this project, or of the file's own package, is looked for in."""
+    """The folder to search for a module of this project or of the file's package, else None."""
     top = module.partition(".")[0]
     if top in PACKAGES:
         return ROOT
@@ -90,17 +90,17 @@ def _files_of(module: str, root: Path, file: Path) -> Iterator[Path]:
     for depth in range(1, len(parts)):
         yield root.joinpath(*parts[:depth], "__init__.py")
     if (found := _file_of(module, root)) is None:
-        raise ImportError(f"{file} imports {module}, which is no file of its project")
+        raise ImportError(f"{file} imports {module}, which is not a file of its project")
     yield found
 
 
 def _part(module: str, part: str, root: Path, file: Path) -> Iterator[Path]:
-    """The file of what is taken from a module, if it is a module itself."""
+    """The file of a name that is imported from a module, if the name is itself a module."""
     inside = _file_of(module, root)
     if (found := _file_of(f"{module}.{part}", root)) is not None:
         yield found
     elif inside is not None and inside.name == "__init__.py" and part not in _bound(inside):
-        raise ImportError(f"{file} imports {part} from {module}, and no file says what that is")
+        raise ImportError(f"{file} imports {part} from {module}, but no file defines it")
 
 
 @cache
@@ -113,7 +113,7 @@ def _file_of(module: str, root: Path) -> Path | None:
 
 @cache
 def _bound(file: Path) -> frozenset[str]:
-    """The names that a file binds by statements, not at use."""
+    """The names that a file binds by statements, without those that are bound at use."""
     names: set[str] = set()
     for node in ast.walk(ast.parse(file.read_bytes())):
         if isinstance(node, ast.Import | ast.ImportFrom):

@@ -1,7 +1,7 @@
 """MuJoCo's models as tasks: `physics.mujoco.task(model="arm.xml", reward=...)`.
 
 This package is `physics.mujoco`; the engine is the package `mujoco`, an extra: `d3pg[mujoco]`. Its
-names are loaded on first use, the engine with them.
+names are loaded on first use, and the engine with them.
 """
 
 from importlib import import_module

@@ -1,7 +1,7 @@
 """Constraints: which contacts and limits act in a step, and with what impulses.
 
 A step of soft contact is smooth while the same constraints act in the same way in each substep.
-MuJoCo tells how each one acts at the end of a substep: of Runge and Kutta's four stages, the last.
+MuJoCo reports how each one acts at the end of a substep, with RK4 in the last of its four stages.
 """
 
 from collections.abc import Iterator
@@ -23,16 +23,16 @@ _FIRST_CONTACT = int(mujoco.mjtConstraint.mjCNSTR_CONTACT_FRICTIONLESS)
 
 
 class Acting(NamedTuple):
-    """What acts in one step."""
+    """The constraints that act in one step."""
 
     contact: bool
     limit: bool
     pieces: list[int]
-    """Of each substep, a number that differs where other constraints act, or in another way."""
+    """For each substep, a number that identifies which constraints act and how."""
 
 
 def acting(simulation: Simulation, state: FloatArray, action: FloatArray) -> Acting:
-    """What acts in the step of a state [n] under an action [m] within the box."""
+    """The constraints that act in the step of a state [n] under an action [m] within the box."""
     contact = limit = False
     pieces = []
     for data in _substeps(simulation, state, action):
@@ -44,7 +44,7 @@ def acting(simulation: Simulation, state: FloatArray, action: FloatArray) -> Act
 
 
 def deepest_overlap(simulation: Simulation, state: FloatArray, action: FloatArray) -> float:
-    """How far (m) two geoms overlap at most during a step."""
+    """The largest overlap (m) of two geoms during a step."""
     return max(
         -float(data.contact.dist.min(initial=0.0)) for data in _substeps(simulation, state, action)
     )
@@ -55,7 +55,7 @@ def impulses(
 ) -> Iterator[tuple[FloatArray, FloatArray]]:
     """Place [3] (m) and impulse [3] (N s) of each pair of geoms that touch during a step.
 
-    The impulse acts on what moves; of two that do, on the second.
+    The impulse is that on the geom that moves; if both move, on the second.
     """
     force, times = np.empty(6), simulation.model.opt.timestep
     found: dict[tuple[int, int, int], list[FloatArray]] = {}
@@ -93,7 +93,7 @@ def _substeps(simulation: Simulation, state: FloatArray, action: FloatArray) -> 
 
 
 def _piece(data: Any) -> int:
-    """A number of what acts and how."""
+    """A number that identifies which constraints act and how."""
     parts = (data.efc_type, data.efc_id, data.efc_state, data.contact.geom)
     told = b"".join(np.ascontiguousarray(part).tobytes() for part in parts)
     return int.from_bytes(blake2b(told, digest_size=8).digest(), "little", signed=True)

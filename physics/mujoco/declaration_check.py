@@ -1,4 +1,4 @@
-"""Declaration check: what a task of a model declares, held against what it must."""
+"""Declaration check: checks what a task of a model declares."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
@@ -14,14 +14,14 @@ if TYPE_CHECKING:
 
 
 def refuse(task: "type[MujocoTask]") -> None:
-    """Raise ValueError with all that is wrong with a task's constants."""
+    """Raise ValueError with all mistakes in a task's constants."""
     mistakes = list(_mistakes(task))
     if mistakes:
         raise ValueError(f"{name_of(task)}: {'; '.join(mistakes)}")
 
 
 def refuse_measure(task: "type[MujocoTask]", simulation: Simulation) -> None:
-    """Raise ValueError unless `measure`, of the model at rest, returns what it must."""
+    """Raise ValueError unless `measure` returns a valid array for the model at rest."""
     if task.measure is None:
         return
     try:
@@ -37,12 +37,12 @@ def refuse_measure(task: "type[MujocoTask]", simulation: Simulation) -> None:
 
 
 def name_of(task: "type[MujocoTask]") -> str:
-    """How a task is called in errors."""
+    """The name of a task in error messages."""
     return str(getattr(task, "name", task.__name__))
 
 
 def described(found: Any) -> str:
-    """What a function returned instead of what it should have."""
+    """A description of a wrong result of a function."""
     if isinstance(found, np.ndarray):
         return f"an array {list(found.shape)} of {found.dtype}"
     return f"{type(found).__name__} {found!r}"

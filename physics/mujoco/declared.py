@@ -40,34 +40,36 @@ def task(
 ) -> type[MujocoTask]:
     """Make a task of a MuJoCo model.
 
-    Its state is (qpos, qvel, act, measures). It returns a class, as you would write one yourself:
-    call it to make the task, or name it as a package's entry point.
+    The task's state is (qpos, qvel, act, measures). The function returns a class like one that you
+    would write yourself: call it to make the task, or name it as a package's entry point.
 
     Args:
         model: an MJCF file, or its text.
-        reward: of state [n], action [m] within the box, and next state [n]; the reward of the step.
-        name: of the task.
+        reward: the reward of a step, as a function of state [n], action [m] within the box, and
+            next state [n].
+        name: the name of the task.
         horizon: steps after which an episode is truncated.
         max_reward: the `max(r)` of the normalised return.
-        version: to be raised whenever the task's numbers change, the model's included.
+        version: to be raised whenever the task's numbers change, including those of the model.
         substeps: steps of the model in a step of the task.
-        terminated: of the next state [n]; whether the episode ends. None: none does.
-        start: draws the coordinates (qpos, qvel, act) of a start from a generator. None: those of
-            the model.
-        measure: of MuJoCo's model and data, further numbers [k] that a state holds.
-        written_in: of which library's arrays `reward` and `terminated` are functions. torch's are
-            differentiated exactly, numpy's by differences.
+        terminated: whether the episode ends, as a function of the next state [n]. None: it never
+            does.
+        start: draws the start coordinates (qpos, qvel, act) from a generator. None: those of the
+            model.
+        measure: a function of MuJoCo's model and data that returns further numbers [k] of a state.
+        written_in: the library of the arrays in `reward` and `terminated`. torch functions are
+            differentiated exactly, numpy functions by differences.
         reward_is_differentiable: if False, the reward is piecewise constant.
         angles: coordinates of which networks see cosine and sine, and their multiplicity. None: the
             hinges without a range.
         hidden: coordinates that no network sees.
         centred: whether differences are centred or forward.
         difference: the width of differences.
-        plane: in which states are drawn.
+        plane: the plane in which states are drawn.
 
     Raises:
-        ValueError: for a model that does not compile, with file and line, and for what is wrong
-            with the arguments; making the task raises it for what is wrong with the functions.
+        ValueError: for a model that does not compile, with file and line, and for mistakes in the
+            arguments; making the task raises it for mistakes in the functions.
     """
     bases = {"torch": TorchMujocoTask, "numpy": NumpyMujocoTask}
     if written_in not in bases:

@@ -1,12 +1,13 @@
 """Derivatives of MuJoCo's steps, by differences of a given width.
 
-Where the engine can, by its own `mjd_transitionFD`, substep by substep, chained: it differences in
-the tangent space, and computes again only what an input changes. It cannot where the integrator is
-Runge and Kutta's, and knows no measures: there, differences of whole steps.
+Where possible, the engine's own `mjd_transitionFD` differentiates each substep, and the results are
+multiplied: it takes differences in the tangent space, and recomputes only what an input changes. It
+does not support the integrator RK4, and knows nothing of measures: there, whole steps are
+differenced.
 
 Centred differences `(f(x + w) - f(x - w)) / 2w` are exact to the order of w^2, forward ones
-`(f(x + w) - f(x)) / w` to that of w, at half the cost. Of an action on the edge of the box, the
-difference is the one inwards.
+`(f(x + w) - f(x)) / w` to that of w, at half the cost. For an action on the edge of the box, the
+difference is one-sided, inwards.
 """
 
 from typing import Any, NamedTuple
@@ -21,7 +22,7 @@ from physics.mujoco.tangent import from_coordinates, to_coordinates
 
 
 class Differencing(NamedTuple):
-    """How derivatives are made."""
+    """The width and kind of differences."""
 
     width: float
     centred: bool
@@ -56,7 +57,7 @@ def by_the_engine(
 def by_whole_steps(
     simulation: Simulation, state: FloatArray, action: FloatArray, how: Differencing
 ) -> tuple[FloatArray, FloatArray]:
-    """The Jacobians [n, n] and [n, m] of one step; measures do not change what follows."""
+    """The Jacobians [n, n] and [n, m] of one step; the columns of measures are 0."""
     model = simulation.model
     size, n = 2 * model.nv + model.na, len(state)
     columns = np.empty((size + model.nu, n))

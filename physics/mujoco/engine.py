@@ -1,4 +1,4 @@
-"""The engine: the package `mujoco`, or what to install."""
+"""The engine: the package `mujoco`, or an error that says what to install."""
 
 try:
     import mujoco as mujoco  # noqa: PLC0414 - for the modules beside this one

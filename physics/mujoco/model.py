@@ -1,4 +1,4 @@
-"""Model: an MJCF file or text as MuJoCo compiles it, or what is wrong with it and where."""
+"""Model: an MJCF file or text, compiled by MuJoCo, or an error with the mistake and its place."""
 
 import re
 import warnings
@@ -18,7 +18,7 @@ STATE = int(
 
 
 class Actuators(NamedTuple):
-    """How actions in the box become controls: `centre + half action`, each [nu]."""
+    """The map from actions in the box to controls: `centre + half action`, each [nu]."""
 
     centre: FloatArray
     half: FloatArray
@@ -27,14 +27,14 @@ class Actuators(NamedTuple):
 def compiled(source: str | Path) -> Model:
     """Compile a model.
 
-    The engine's own reset of a state that leaves the numbers is disabled: such a step is an error.
+    The engine's own reset of a state that is not finite is disabled: such a step is an error.
 
     Args:
         source: an MJCF file, or its text, which begins with "<".
 
     Raises:
         ValueError: for a file that does not exist, a model that does not compile, with its file and
-            line, and one that no task can be made of.
+            line, and a model that cannot make a task.
     """
     text = str(source).lstrip().startswith("<")
     where = "the MJCF text" if text else str(source)
@@ -70,7 +70,7 @@ def actuators_of(model: Model) -> Actuators:
 
 
 def can_touch(model: Model) -> bool:
-    """Whether two of the model's geoms may be in contact, as far as their masks tell."""
+    """Whether two of the model's geoms may be in contact, according to their masks."""
     kind, affinity, body = model.geom_contype, model.geom_conaffinity, model.geom_bodyid
     pairs = (kind[:, None] & affinity[None]) | (affinity[:, None] & kind[None])
     return bool(model.npair) or bool((pairs.astype(np.bool_) & (body[:, None] != body)).any())
@@ -82,7 +82,7 @@ def can_be_limited(model: Model) -> bool:
 
 
 def _complaint(where: str, error: str) -> str:
-    """What MuJoCo says of a model, in one line that begins with its place."""
+    """MuJoCo's error about a model, in one line that begins with its place."""
     said = " ".join(error.split())
     line = re.search(r"line(?: number=| )(\d+)", said, re.IGNORECASE)
     place = f"{where}, line {line[1]}" if line else where
@@ -90,7 +90,7 @@ def _complaint(where: str, error: str) -> str:
 
 
 def _refuse_unfit(where: str, model: Model) -> None:
-    """Raise ValueError for a model that compiles and makes no task."""
+    """Raise ValueError for a model that compiles but cannot make a task."""
     if model.nv == 0:
         raise ValueError(f"{where}: nothing moves in this model: give a body a joint")
     if model.nu == 0:

@@ -1,19 +1,19 @@
-"""MujocoTask: a model, its reward and its end make an environment.
+"""MujocoTask: an environment made of a model, a reward and an end.
 
-    s = (qpos, qvel, act, measures)    as the model has them; measures as the task declares them
+    s = (qpos, qvel, act, measures)    those of the model; measures as the task declares them
     s' = `substeps` steps of the model under one action,    r = r(s, a, s')
 
 Actions are controls scaled to the box: -1 and 1 are the ends of the control's range; a control
-without a range is the action itself. A free joint has its position and its unit quaternion in the
-state, as MuJoCo has, and the network sees these numbers; a Jacobian is that in these coordinates
+without a range is the action itself. As in MuJoCo, the state holds a free joint's position and its
+unit quaternion, and the network sees these numbers; Jacobians are in these coordinates
 (tangent.py).
 
-Measures are other quantities of the simulation, such as the place of a site: for networks and
-rewards that need what no single coordinate tells. They follow from a state's coordinates, or from
-the step that led there; no step depends on them, and their columns of the Jacobian are 0.
+Measures are other quantities of the simulation, such as the place of a site, for networks and
+rewards that need more than the coordinates. They follow from a state's coordinates, or from the
+step that led there; no step depends on them, and their columns of the Jacobian are 0.
 
-Derivatives of the dynamics are differences (derivatives.py), those of the reward exact. A subclass
-declares `mjcf`, and says what a step earns; everything else has a default or follows.
+Derivatives of the dynamics are differences (derivatives.py), those of the reward are exact. A
+subclass declares `mjcf` and defines the reward; everything else has a default or is derived.
 """
 
 import threading
@@ -49,7 +49,7 @@ from physics.mujoco.simulation import Simulation
 from physics.row_checks import float64_vector
 
 EXPLORED = 50
-"""The horizon of the rollouts in which an audit's states are sought: a step of MuJoCo is dear."""
+"""The horizon of the rollouts that an audit's states come from: a step of MuJoCo is expensive."""
 
 
 class MujocoTask(Environment):
@@ -60,23 +60,23 @@ class MujocoTask(Environment):
     substeps: ClassVar[int] = 1
     """Steps of the model in a step of the task."""
     measure: ClassVar[Any] = None
-    """A static method of MuJoCo's model and data, or None: the numbers [k] that a state holds
-    beside its coordinates."""
+    """A static method of MuJoCo's model and data that returns the numbers [k] that a state holds
+    beside its coordinates, or None."""
     measures_as_left: ClassVar[bool] = False
-    """If True, measures are taken from the data as the last substep left it, whose positions are
-    still those of its last stage (Gymnasium's tasks are like this); if False, after `mj_forward`,
-    at the next state itself."""
+    """If True, measures are taken from the data as the last substep left it, with the positions of
+    its last stage (as in Gymnasium's tasks); if False, after `mj_forward`, at the next state
+    itself."""
     centred: ClassVar[bool] = True
-    """Whether differences are centred: twice the cost of forward ones, and far more exact."""
+    """Whether differences are centred: twice the cost of forward ones, but far more exact."""
     difference: ClassVar[float] = 1e-6
-    """The width of differences, in the units of the state, and of the action in the box."""
+    """The width of differences, in the units of the state and of the action in the box."""
     plane: ClassVar[Plane] = "xz"
-    """In which states are drawn."""
+    """The plane in which states are drawn."""
     rounding: ClassVar[float] = 3e-13
     tolerance: ClassVar[float] = 1e-4
 
     model: ClassVar[Model]
-    """As compiled; not to be changed."""
+    """The compiled model; it must not be changed."""
     _kinds: ClassVar[NDArray[np.int64]]
     """Index into `regimes` of: free, clipped, limit, contact."""
     _frame: ClassVar[Frame]
@@ -86,8 +86,7 @@ class MujocoTask(Environment):
         """Compile the model and derive what follows from it.
 
         Raises:
-            ValueError: for a model that does not compile, and for what is wrong with the
-                declaration.
+            ValueError: for a model that does not compile, and for mistakes in the declaration.
         """
         super().__init_subclass__()
         if not hasattr(cls, "mjcf"):
@@ -208,7 +207,7 @@ class MujocoTask(Environment):
         return Pieces(self._kinds[kinds], np.concatenate([pieces, beyond], axis=1))
 
     def sample(self, generator: np.random.Generator, count: int) -> tuple[FloatArray, FloatArray]:
-        """As of any task, from shorter rollouts."""
+        """See `Environment.sample`; the rollouts are shorter."""
         return explore(self, generator, count, min(self.horizon, EXPLORED))
 
     def contact_impulses(self, states: FloatArray, actions: FloatArray) -> list[FloatArray]:
@@ -247,7 +246,7 @@ class MujocoTask(Environment):
         return photograph(self.model, self._posed(state), width, height, camera)
 
     def remarks(self, states: FloatArray, actions: FloatArray) -> list[str]:
-        """What differences and soft contacts cost."""
+        """Notes on the cost of differences and on soft contacts."""
         return remarks(self, states, actions)
 
     def jacobians(
@@ -278,12 +277,12 @@ class MujocoTask(Environment):
 
     @classmethod
     def _unmoved(cls) -> dict[int, float]:
-        """No process noise but on speeds: positions hold quaternions, contacts and limits."""
+        """Noise factors of 0 but for speeds: positions hold quaternions, contacts and limits."""
         speeds = range(cls.model.nq, cls.model.nq + cls.model.nv)
         return {i: 0.0 for i in range(cls.state_size) if i not in speeds}
 
     def _posed(self, state: FloatArray) -> Any:
-        """The data of a state, its positions up to date."""
+        """The data of a state, with its positions up to date."""
         simulation = self.simulation
         simulation.load(state, np.zeros(self.action_size))
         mujoco.mj_fwdPosition(self.model, simulation.data)

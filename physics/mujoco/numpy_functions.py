@@ -1,7 +1,7 @@
 """NumpyMujocoTask: a model whose reward and end are numpy functions of one step.
 
-For a reward that torch cannot differentiate, such as a table. Its derivatives are centred
-differences, of the same width as those of the dynamics.
+It is for rewards that torch cannot differentiate, such as a table. The reward's derivatives are
+centred differences, of the same width as those of the dynamics.
 """
 
 from abc import abstractmethod
@@ -32,7 +32,7 @@ class NumpyMujocoTask(MujocoTask):
         return False
 
     def function_mistakes(self) -> list[str]:
-        """What is wrong with the two functions."""
+        """The mistakes in the two functions."""
         try:
             states = self.initial_states(range(ROWS))
         except Exception as error:
@@ -88,7 +88,7 @@ class NumpyMujocoTask(MujocoTask):
 def _mistake(
     name: str, expected: str, kind: Any, rows: list[tuple[FloatArray, ...]], function: Any
 ) -> Iterator[str]:
-    """What is wrong with a function, tried on some rows; the first counts."""
+    """The first mistake of a function that is called on some rows."""
     for row in rows:
         try:
             result = function(*(argument.copy() for argument in row))

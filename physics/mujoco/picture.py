@@ -1,8 +1,8 @@
-"""Picture: a state of a model as shapes in a plane, and as MuJoCo's own renderer shows it.
+"""Picture: a state of a model as shapes in a plane, and as an image by MuJoCo's own renderer.
 
 Capsules, cylinders and spheres are drawn as capsules, boxes and meshes as the hull of their
-corners, a ground that is seen from the side as a line. The view moves along with a model that is
-not fixed in place.
+corners, and a ground seen from the side as a line. The view follows a model that is not fixed in
+place.
 """
 
 from collections.abc import Iterator
@@ -25,7 +25,7 @@ NARROWEST = 0.1
 SHAPE = 0.6
 """The height of the view, in its widths."""
 LAST_SHOWN_GROUP = 2
-"""MuJoCo's viewers do not show the groups of geoms beyond it either."""
+"""The last group of geoms that is drawn, as in MuJoCo's viewers."""
 _CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
 _GEOM = mujoco.mjtGeom
 
@@ -38,9 +38,9 @@ class Frame(NamedTuple):
 
 
 def frame_of(model: Any, data: Any, plane: Plane) -> Frame:
-    """The frame of a model whose data is at rest: all of it but grounds, and room around."""
+    """The frame of a model whose data is at rest: all of it but grounds, with a margin."""
     axes, solid = list(AXES[plane]), model.geom_type != _GEOM.mjGEOM_PLANE
-    # Bodies too: they need no geoms.
+    # Bodies too: a body may have no geoms.
     places = np.concatenate([data.geom_xpos[solid], data.xpos])[:, axes]
     reach = np.concatenate([model.geom_rbound[solid], np.zeros(model.nbody)])[:, None]
     low, high = (places - reach).min(axis=0), (places + reach).max(axis=0)
@@ -72,7 +72,7 @@ def photograph(
     model.vis.global_.offheight = max(model.vis.global_.offheight, height)
     try:
         renderer = mujoco.Renderer(model, height, width)
-    except Exception as error:  # whatever the library of the platform raises
+    except Exception as error:  # the error depends on the platform's library
         raise RuntimeError(
             "MuJoCo's renderer needs OpenGL, and found none it can use: without a screen, set the "
             "environment variable MUJOCO_GL=egl (or osmesa) before Python starts, and install "
@@ -90,7 +90,7 @@ def _view(model: Any, data: Any, plane: Plane, frame: Frame) -> tuple[float, flo
     """Left, bottom, right and top of what is shown."""
     centre, half = frame
     away = data.subtree_com[_first_moving_body(model)][list(AXES[plane])] - centre
-    # Along the ground the view moves at once, up and down when the middle comes near its edge.
+    # Along the ground the view moves at once; up and down, when the middle comes near its edge.
     slack = np.where(_moves_along(model), [0.0, half[1] / 2 if plane != "xy" else 0.0], half / 2)
     centre = centre + away - np.clip(away, -slack, slack)
     left, bottom = (centre - half).tolist()
@@ -103,7 +103,7 @@ def _first_moving_body(model: Any) -> int:
 
 
 def _moves_along(model: Any) -> bool:
-    """Whether the model is free to leave its place: by a free joint or a slide without limits."""
+    """Whether the model can leave its place, by a free joint or a slide without limits."""
     slides = (model.jnt_type == mujoco.mjtJoint.mjJNT_SLIDE) & (model.jnt_limited == 0)
     return bool((slides | (model.jnt_type == mujoco.mjtJoint.mjJNT_FREE)).any())
 
@@ -155,7 +155,7 @@ def _ground(
 
 
 def _role(model: Any, geom: int) -> Role:
-    """What a geom is for the viewer's palette."""
+    """The role of a geom in the viewer's palette."""
     body = int(model.geom_bodyid[geom])
     if "target" in f"{model.geom(geom).name} {model.body(body).name}":
         return "target"
@@ -181,7 +181,7 @@ def _chain(points: list[Point]) -> Iterator[Point]:
 
 
 def _turn(a: Point, b: Point, c: Point) -> float:
-    """Above 0 where a, b, c turn left."""
+    """A number above 0 if a, b, c turn left."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 

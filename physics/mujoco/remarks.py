@@ -1,4 +1,4 @@
-"""Remarks: what differences and soft contacts cost a task, for its audit."""
+"""Remarks: notes for a task's audit on the cost of differences and on soft contacts."""
 
 import time
 from typing import TYPE_CHECKING
@@ -16,7 +16,7 @@ LOOKED_AT = 100
 
 
 def remarks(task: "MujocoTask", states: FloatArray, actions: FloatArray) -> list[str]:
-    """Of some states, what differences cost in time and exactness, and how soft contacts are."""
+    """The cost and exactness of differences, and the softness of contacts, in some states."""
     states, actions = states[:LOOKED_AT], np.clip(actions[:LOOKED_AT], -1.0, 1.0)
     return [_of_differences(task, states, actions), *_of_softness(task, states, actions)]
 

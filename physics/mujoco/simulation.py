@@ -1,8 +1,8 @@
 """Simulation: the steps of a model, each from a state alone.
 
-MuJoCo's solver begins where it ended the step before (`qacc_warmstart`), which is no part of the
-state. Here each step begins from 0: so that the next state is a function of state and action. The
-solver ends where its tolerance lets it, a few 1e-13 from where the other start would lead.
+MuJoCo's solver starts from its last result (`qacc_warmstart`), which is not part of the state. Here
+each step starts from 0, so that the next state is a function of state and action. Within the
+solver's tolerance, the result differs by a few 1e-13 from that of the other start.
 """
 
 from collections.abc import Callable
@@ -16,22 +16,22 @@ from physics.mujoco.model import STATE, actuators_of
 from physics.mujoco.tangent import quaternions_of
 
 Measure = Callable[..., FloatArray]
-"""Of MuJoCo's model and data, what a state holds beside its coordinates [k]."""
+"""A function of MuJoCo's model and data: what a state holds beside its coordinates [k]."""
 
 
 class Simulation:
-    """A model, and the one MjData that its steps are made in.
+    """A model, and the MjData in which its steps are computed.
 
     Attributes:
         model, data: MuJoCo's.
         coordinates: nq + nv + na, how many of a state's numbers a step depends on.
-        substeps: of a step.
+        substeps: steps of the model in a step.
     """
 
     def __init__(
         self, model: Any, substeps: int, measure: Measure | None, measures_as_left: bool
     ) -> None:
-        """Make room for steps of a model."""
+        """Allocate the data of a model."""
         self.model = model
         self.data = mujoco.MjData(model)
         self.coordinates = int(mujoco.mj_stateSize(model, STATE))
@@ -42,7 +42,7 @@ class Simulation:
         self._has_quaternions = bool(quaternions_of(model))
 
     def load(self, state: FloatArray, action: FloatArray) -> None:
-        """Be in a state [n], under an action [m] within the box."""
+        """Set the data to a state [n] and an action [m] within the box."""
         mujoco.mj_setState(self.model, self.data, state[: self.coordinates], STATE)
         if self._has_quaternions:
             mujoco.mj_normalizeQuat(self.model, self.data.qpos)
@@ -50,7 +50,7 @@ class Simulation:
         self.data.ctrl[:] = self._centre + self._half * action
 
     def advance(self, state: FloatArray, action: FloatArray, following: FloatArray) -> None:
-        """Fill the next state [n]."""
+        """Advance by one step, and fill the next state [n]."""
         self.load(state, action)
         mujoco.mj_step(self.model, self.data, nstep=self.substeps)
         self.read(following)

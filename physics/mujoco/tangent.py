@@ -1,4 +1,4 @@
-"""Tangent: derivatives in MuJoCo's tangent space as those in the coordinates of a state.
+"""Tangent: converts derivatives in MuJoCo's tangent space to the coordinates of a state.
 
 A quaternion has four coordinates and moves in three directions: a joint's angular velocity w turns
 it by `dq = q (0, w) / 2`. A step normalises the quaternions that it begins with, so that the next
@@ -23,7 +23,7 @@ _QUATERNION_AT = {int(mujoco.mjtJoint.mjJNT_FREE): 3, int(mujoco.mjtJoint.mjJNT_
 
 
 def quaternions_of(model: Any) -> list[tuple[int, int]]:
-    """Of each quaternion, its place in qpos and the place of its rotation in qvel."""
+    """For each quaternion, its place in qpos and the place of its rotation in qvel."""
     return [
         (int(coordinate) + _QUATERNION_AT[kind], int(speed) + _QUATERNION_AT[kind])
         for kind, coordinate, speed in zip(
@@ -34,7 +34,7 @@ def quaternions_of(model: Any) -> list[tuple[int, int]]:
 
 
 def from_coordinates(model: Any, state: FloatArray) -> FloatArray:
-    """H [2 nv + na, nq + nv + na]: how the tangent follows coordinates."""
+    """H [2 nv + na, nq + nv + na]: the derivative of the tangent in the coordinates."""
     H = _blocks(model)
     for place, rotation in quaternions_of(model):
         quaternion = state[place : place + 4]
@@ -46,7 +46,7 @@ def from_coordinates(model: Any, state: FloatArray) -> FloatArray:
 
 
 def to_coordinates(model: Any, state: FloatArray) -> FloatArray:
-    """G [nq + nv + na, 2 nv + na]: how coordinates follow the tangent."""
+    """G [nq + nv + na, 2 nv + na]: the derivative of the coordinates in the tangent."""
     G = _blocks(model).T
     for place, rotation in quaternions_of(model):
         G[place : place + 4, rotation : rotation + 3] = _directions(state[place : place + 4]).T / 2
@@ -54,7 +54,7 @@ def to_coordinates(model: Any, state: FloatArray) -> FloatArray:
 
 
 def _blocks(model: Any) -> FloatArray:
-    """H [2 nv + na, nq + nv + na] of all but the quaternions."""
+    """H [2 nv + na, nq + nv + na] for all but the quaternions."""
     H = np.zeros((2 * model.nv + model.na, model.nq + model.nv + model.na))
     row = column = 0
     for place, rotation in [*quaternions_of(model), (model.nq, model.nv)]:

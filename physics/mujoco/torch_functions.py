@@ -22,7 +22,7 @@ _BLOCK = 64
 
 
 class TorchMujocoTask(MujocoTask):
-    """A model with a reward and an end of one step, such as `torch.func.vmap` takes them."""
+    """A model with a reward and an end of one step, as functions that `torch.func.vmap` accepts."""
 
     @abstractmethod
     def reward(
@@ -35,7 +35,7 @@ class TorchMujocoTask(MujocoTask):
         return torch.zeros_like(next_state[0], dtype=torch.bool)
 
     def function_mistakes(self) -> list[str]:
-        """What is wrong with the two functions."""
+        """The mistakes in the two functions."""
         with gradients_enabled():
             mistakes = outcome_mistakes(self)
         of_functions = any(each.startswith(("reward", "terminated")) for each in mistakes)
@@ -73,7 +73,7 @@ def by_rows(
     blocks = []
     for start in range(0, max(count, 1), _BLOCK):
         picked = np.minimum(np.arange(start, start + _BLOCK), count - 1)
-        # Of no rows, the results of a row of zeros have the shapes.
+        # For no rows, a row of zeros gives results of the right shapes.
         rows = [
             torch.from_numpy(array[picked] if count else np.zeros((1, *array.shape[1:])))
             for array in arrays

@@ -34,7 +34,7 @@ def _mark_rows(
 
 
 class Health:
-    """The box that a healthy robot is in."""
+    """The box of a healthy robot's states."""
 
     def __init__(self, ranges: Mapping[int, tuple[float, float]]) -> None:
         """Lay out the box.

@@ -1,4 +1,4 @@
-"""Regimes of a robot's steps, which the gradient audit tells apart, from the contact modes."""
+"""The regimes of a robot's steps for the gradient audit, from the contact modes."""
 
 import numpy as np
 
@@ -7,9 +7,9 @@ from physics.robots.dynamics.motion import Modes
 from physics.robots.lcp.contact_mode import OPEN, SLIDE_AHEAD
 
 REGIMES = ("free", "clipped", "sticking", "sliding", "resting", "opening", "joint limit")
-"""From the weakest claim on a step to the strongest."""
+"""From the lowest priority to the highest: a step has the last regime that applies."""
 RESTING_SPEED = 0.1
-"""Slower than this (m/s, rad/s) in all coordinates, a step in steady contact counts as resting."""
+"""Below this speed (m/s, rad/s) in all coordinates, a step in steady contact counts as resting."""
 
 
 def regime_of(states: FloatArray, spheres: Modes, stops: Modes, beyond: IntArray) -> IntArray:
@@ -19,7 +19,7 @@ def regime_of(states: FloatArray, spheres: Modes, stops: Modes, beyond: IntArray
         states: [batch, 2n], before the step.
         spheres: modes [batch, substeps, c] of the spheres.
         stops: modes [batch, substeps, any] of the stops.
-        beyond: which actions are clipped [batch, m], otherwise 0.
+        beyond: the side at which actions are clipped [batch, m], 0 for none.
     """
     closed = spheres != OPEN
     touches = closed.any(axis=(1, 2))

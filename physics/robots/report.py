@@ -1,4 +1,4 @@
-"""What the contacts did in a step, substep by substep, so that anyone can check the physics."""
+"""The contacts of a step, substep by substep, for checks of the physics."""
 
 from typing import NamedTuple
 
@@ -32,12 +32,12 @@ class ContactReport(NamedTuple):
     residual: Floats
     """[b, substep], largest error of the substep's equations (dynamics/residual.py)."""
     mode: Integers
-    """[b, substep, c + l], each constraint's mode (contact_mode.py): OPEN, STICK (stops: at
-    work), SLIDE_AHEAD, SLIDE_BACK."""
+    """[b, substep, c + l], each constraint's mode (contact_mode.py): OPEN, STICK (for a stop:
+    active), SLIDE_AHEAD, SLIDE_BACK."""
 
 
 def empty_report(mechanism: Records, batch: int, substeps: int) -> ContactReport:
-    """A report without entries yet, all impulses 0 and all modes OPEN."""
+    """An empty report, with all impulses 0 and all modes OPEN."""
     spheres = mechanism["radius"].shape[1]
     stops = mechanism["stop_joint"].shape[1]
 
@@ -127,7 +127,7 @@ def find_sunk(
 ) -> bool:
     """Mark states [batch] with a sphere in the ground or a joint in its stop by more than `depth`.
 
-    Asked at every step, so it makes its own body; `no_bodies` [0] has the type.
+    It is called at every step and makes its own body; `no_bodies` [0] has the type.
 
     Returns:
         Whether there is any.
@@ -135,7 +135,7 @@ def find_sunk(
     mechanism, bodies = mechanisms[0], np.empty(1, no_bodies.dtype)
     found = False
     for row in range(states.shape[0]):
-        body = bodies[0]  # taken in the loop, which keeps `bodies` alive
+        body = bodies[0]  # indexed in the loop, which keeps `bodies` alive
         load_state(mechanism, states, row, body)
         place(mechanism, body.q, body.pose)
         measure(mechanism, body.q, body.pose, body.margin)

@@ -1,8 +1,8 @@
-"""Reward: what a robot's step earns, and `Running`, for moving forward, alive, at little effort.
+"""Reward: the reward of a robot's step, and `Running`, for forward motion at little effort.
 
     r = (x' - x) / seconds + bonus - control_cost |clip(a)|^2      without the bonus if s' ends it
 
-x is coordinate 0. At a bound of the action, its derivative is the interior one.
+x is coordinate 0. At a bound of the action, the derivative is the interior one.
 """
 
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from physics.kernels.compiled import compiled
 
 @runtime_checkable
 class Reward(Protocol):
-    """What a step of some seconds earns; each array is of a batch, the last ones are filled."""
+    """The reward of a step of some seconds; arrays are batches, and the last ones are filled."""
 
     def fill(
         self,
@@ -86,8 +86,8 @@ class Running:
     """The reward of running.
 
     Attributes:
-        control_cost: of an action of length 1.
-        bonus: of a step that does not end the episode.
+        control_cost: the cost of an action of length 1.
+        bonus: the bonus of a step that does not end the episode.
     """
 
     control_cost: float

@@ -8,9 +8,9 @@ from physics.environment import Environment, FloatArray
 def rollouts(
     environment: Environment, generator: np.random.Generator, count: int
 ) -> tuple[FloatArray, FloatArray]:
-    """A quarter each: under way at random, under way bang-bang, coming to rest, in flight.
+    """A quarter each: under random actions, under bang-bang actions, coming to rest, in flight.
 
-    Each state is the end of a rollout of its own, of up to 100 steps.
+    Each state is the end of its own rollout of up to 100 steps.
     """
     kind = np.arange(count) % 4
     states = environment.initial_states(generator.integers(2**60, size=count))

@@ -1,12 +1,12 @@
-"""A robot's task: a robot, its substeps, a reward and an end make an environment.
+"""A robot's task: an environment made of a robot, its substeps, a reward and an end.
 
-    s = (q, v),    q = (x, z, pitch, joint angles ...)    as many v
+    s = (q, v),    q = (x, z, pitch, joint angles ...),    v their rates
 
-with `x, z` the root's place relative to the one it is described in, and joints in the order of the
-links. A step is `substeps` substeps under one action, each as dynamics/substep.py has it.
+with `x, z` the root's place relative to that in the description, and joints in the order of the
+links. A step is `substeps` substeps under one action, each as in dynamics/substep.py.
 
-A subclass declares `robot`, `substep_seconds`, `substeps`, `reward` and `end`, and says where its
-episodes start. Everything else follows, the physical parameters too (parameters.py).
+A subclass declares `robot`, `substep_seconds`, `substeps`, `reward` and `end`, and defines where
+its episodes start. Everything else is derived, including the physical parameters (parameters.py).
 """
 
 import math
@@ -52,7 +52,7 @@ from physics.robots.sampling import rollouts
 from physics.row_checks import float64_rows
 
 DEEPEST = 5e-3
-"""How deep (m, rad) a sphere may be in the ground, or a joint in its stop: rollouts stay above."""
+"""How deep (m, rad) a sphere may be in the ground, or a joint in its stop; rollouts stay above."""
 DECLARED = {
     "robot": Robot,
     "substep_seconds": float,
@@ -60,11 +60,11 @@ DECLARED = {
     "reward": Reward,
     "end": End,
 }
-"""What a task declares, and of what type."""
+"""The declarations of a task, and their types."""
 
 
 def _mistakes(task: "type[RobotTask]") -> list[str]:
-    """What is wrong with a task's declaration."""
+    """The mistakes in a task's declaration."""
     declared = {name: getattr(task, name, None) for name in DECLARED}
     found = [
         f"{name} must be of type {DECLARED[name].__name__}, not {value!r}"
@@ -80,7 +80,7 @@ class RobotTask(Environment):
     robot: ClassVar[Robot]
     substep_seconds: ClassVar[float]
     substeps: ClassVar[int]
-    """Of a step."""
+    """Substeps of a step."""
     reward: ClassVar[Reward]
     end: ClassVar[End] = FOREVER
 
@@ -89,7 +89,7 @@ class RobotTask(Environment):
     regimes = REGIMES
 
     mechanism: Records
-    """The robot as the kernels see it, [1]."""
+    """The robot as kernels read it, [1]."""
     body_type: ClassVar[np.dtype[np.void]]
     _no_bodies: ClassVar[Records]
     _coordinates: ClassVar[int]
@@ -97,20 +97,20 @@ class RobotTask(Environment):
     _motion: tuple[Records, Records, Records, float, int]
     """The first arguments of `move_rows`, up to the states."""
     _stops: ClassVar[tuple[FloatArray, FloatArray]]
-    """Lower and upper ones, of the joints in their order."""
+    """The lower and the upper stops of the joints, in their order."""
     _no_jacobians: ClassVar[tuple[FloatArray, FloatArray]]
     _no_modes: ClassVar[Modes]
-    """With room for whole eights of constraints, which `pieces` packs into integers."""
+    """With room for a multiple of eight constraints, which `pieces` packs into integers."""
 
     def __init_subclass__(cls) -> None:
         """Derive what follows from the declaration.
 
         Raises:
-            ValueError: with all that is wrong with it.
+            ValueError: with all mistakes in it.
         """
         super().__init_subclass__()
         if wrong := _mistakes(cls):
-            raise ValueError("\n- ".join([f"{cls.__name__} is no robot's task yet:", *wrong]))
+            raise ValueError("\n- ".join([f"{cls.__name__} is not a valid robot's task:", *wrong]))
         size = sizes(cls.robot)
         n, m = size["n"], size["m"]
         cls.state_size, cls.action_size = 2 * n, m
@@ -191,19 +191,19 @@ class RobotTask(Environment):
         return state
 
     def stopped(self, state: FloatArray) -> FloatArray:
-        """A state [2n], its joints turned back to the stops that they lie beyond."""
+        """A state [2n], with joints beyond their stops turned back to them."""
         joints = slice(ROOT + 1, self._coordinates)
         state[joints] = np.clip(state[joints], *self._stops)
         return state
 
     def outside(self, states: FloatArray) -> BoolArray:
-        """Where a sphere is in the ground, or a joint beyond its stop, deeper than a step leads."""
+        """Where a sphere is in the ground, or a joint beyond its stop, deeper than steps lead."""
         sunk = np.empty(len(states), np.bool_)
         find_sunk(self.mechanism, self._no_bodies, states, DEEPEST, sunk)
         return sunk | super().outside(states)
 
     def check_inside(self, states: FloatArray, actions: FloatArray) -> None:
-        """No sphere in the ground, no joint beyond its stop, and everything finite."""
+        """Check that no sphere is in the ground, no joint beyond its stop, and all is finite."""
         super().check_inside(states, actions)
         sunk = np.empty(len(states), np.bool_)
         if find_sunk(self.mechanism, self._no_bodies, states, DEEPEST, sunk):
@@ -214,7 +214,7 @@ class RobotTask(Environment):
             )
 
     def contact_report(self, states: FloatArray, actions: FloatArray) -> ContactReport:
-        """What the contacts of one step do, substep by substep.
+        """The contacts of one step, substep by substep.
 
         Raises:
             ValueError, UnsolvedStepError: as `step`.
@@ -229,7 +229,9 @@ class RobotTask(Environment):
         return report
 
     def contact_impulses(self, states: FloatArray, actions: FloatArray) -> list[FloatArray]:
-        """One for each sphere in contact, summed over the step, where the sphere ends.
+        """One impulse for each sphere in contact, summed over the step.
+
+        Its place is that of the sphere's lowest point after the step.
 
         Raises:
             ValueError, UnsolvedStepError: as `step`.
@@ -262,9 +264,9 @@ class RobotTask(Environment):
         """
         q, v = float64_rows(q, self._coordinates, "q"), float64_rows(v, self._coordinates, "v")
         if len(q) != len(v):
-            raise ValueError(f"q and v must have as many rows, not {len(q)} and {len(v)}")
+            raise ValueError(f"q and v must have equal numbers of rows, not {len(q)} and {len(v)}")
         states, actions = self._rows(np.concatenate([q, v], axis=1), a)
-        self._domain.check(states, actions)  # in any pose: the ground and the stops are left out
+        self._domain.check(states, actions)  # any pose is allowed: ground and stops are ignored
         forces = np.empty_like(q)
         smooth_forces(self.mechanism, self._body(), states, actions, forces)
         return forces
@@ -289,14 +291,14 @@ class RobotTask(Environment):
         )
 
     def sample(self, generator: np.random.Generator, count: int) -> tuple[FloatArray, FloatArray]:
-        """On the way of rollouts of several kinds."""
+        """States and actions from rollouts of several kinds."""
         return rollouts(self, generator, count)
 
     def set_down(self, generator: np.random.Generator, states: FloatArray) -> FloatArray:
         """States [batch, 2n], each robot bent a little, put on the ground and nearly stopped.
 
-        For samples of robots that fall: lying, with more contacts than it takes to hold them, they
-        are at kinks.
+        It is for samples of robots that fall: lying robots have more contacts than are needed to
+        hold them, and are at kinks.
         """
         n = self._coordinates
         states = np.concatenate([states[:, :n], np.zeros((len(states), n))], axis=1)

@@ -1,1 +1,1 @@
-"""Tasks: one file each, in the same order each."""
+"""Tasks: one file each, all with the same structure."""

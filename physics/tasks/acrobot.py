@@ -5,11 +5,11 @@
     r      = -1, but 0 on the step that ends the episode
     ends when the free end is one link above the axle: -cos theta1' - cos(theta1' + theta2') > 1
 
-Glossary: as in `double_pendulum`; `a` is the action, u_max the greatest torque, 1 N m, which stands
-behind the other parameters in p.
+Glossary: as in `double_pendulum`; `a` is the action, u_max the greatest torque, 1 N m, which is the
+last of the parameters in p.
 
-Here the torque is continuous. The reward is piecewise constant: methods that need its gradient
-cannot use this task.
+Unlike in Gymnasium, the torque is continuous. The reward is piecewise constant: methods that need
+its gradient cannot use this task.
 """
 
 import math
@@ -41,7 +41,7 @@ TWO_PI = 2.0 * math.pi
 
 @compiled
 def turns(theta: float) -> float:
-    """How many turns to take off an angle to bring it to [-pi, pi]."""
+    """The number of turns to subtract from an angle to bring it to [-pi, pi]."""
     if theta > math.pi:
         return math.ceil((theta - math.pi) / TWO_PI)
     if theta < -math.pi:
@@ -66,7 +66,7 @@ def end_step(
     rewards: FloatArray,
     terminated: BoolArray,
 ) -> None:
-    """Wrap and clip a state into its row, and judge it."""
+    """Wrap and clip a state into its row, and set its reward and whether it ends the episode."""
     theta1 = free[0] - TWO_PI * turns(free[0])
     theta2 = free[1] - TWO_PI * turns(free[1])
     next_states[row, 0] = theta1
@@ -130,7 +130,7 @@ def differentiate_rows(
 
 @compiled
 def piece_rows(p: FloatArray, states: FloatArray, actions: FloatArray, pieces: IntArray) -> None:
-    """Fill `pieces [batch, 4]`: the turns taken off each angle, the side each rate is clipped."""
+    """Fill `pieces [batch, 4]`: each angle's turns subtracted, and each rate's side of its clip."""
     links, max_torque = links_of(p[0], p[1], p[2], p[3]), p[4]
     for row in range(states.shape[0]):
         free = free_step(links, max_torque, states, actions, row)
@@ -171,7 +171,7 @@ class Acrobot(Environment):
         return generator.uniform(-0.1, 0.1, 4)
 
     def pieces(self, states: FloatArray, actions: FloatArray) -> Pieces:
-        """Torque inside or beyond its bounds, rates likewise, turns taken off, and the end."""
+        """Torque inside or beyond its bounds, rates likewise, turns subtracted, and the end."""
         torque, motion = clip_sides(actions), np.empty((len(states), 4), np.int64)
         piece_rows(self.parameter_values, states, actions, motion)
         ended = self.step(states, actions).terminated[:, None].astype(np.int64)
@@ -180,7 +180,7 @@ class Acrobot(Environment):
         return Pieces(regime, np.concatenate([torque, motion, ended], axis=1))
 
     def sample(self, generator: np.random.Generator, count: int) -> tuple[FloatArray, FloatArray]:
-        """Every pose at every rate, half of them slow, as a policy meets them."""
+        """Every pose at every rate; half of the rates are slow, as under a policy."""
         bound = np.array([math.pi, math.pi, *MAX_SPEEDS])
         states = generator.uniform(-bound, bound, (count, 4))
         states[::2, 2:] /= 5.0

@@ -23,9 +23,9 @@ DAMPING = 0.3  # s/m
 FRICTION = 0.5  # s/m
 
 OFF, PUSHES, LETS_GO = 0, 1, 2
-"""What a contact does in a substep."""
+"""The states of a contact in a substep."""
 WALL_TOP = 3
-"""Added to what the wall does where it is its round top that does it."""
+"""Added to the state of the wall's contact where the ball touches the round top."""
 
 
 @compiled
@@ -39,7 +39,7 @@ def _push(
     by_q: FloatArray,
     by_v: FloatArray,
 ) -> int:
-    """Add a contact's force and its derivatives; return what it does.
+    """Add a contact's force and its derivatives; return the contact's state.
 
     `curvature` is that of the surface at the contact: d n / d q = curvature (1 - n n^T).
     """
@@ -70,7 +70,7 @@ def _touch_wall(
     by_q: FloatArray,
     by_v: FloatArray,
 ) -> int:
-    """Add the wall's force; return what it does, plus WALL_TOP where its round top does."""
+    """Add the wall's force; return the contact's state, plus WALL_TOP at the round top."""
     x, y = q
     if y < HEIGHT:
         n, distance, curvature, where = (1.0 if x > 0.0 else -1.0, 0.0), abs(x), 0.0, 0
@@ -91,7 +91,7 @@ def _touch_ground(
     by_q: FloatArray,
     by_v: FloatArray,
 ) -> int:
-    """Add the ground's force; return what it does."""
+    """Add the ground's force; return the contact's state."""
     depth = RADIUS - y
     if depth > 0.0:
         force[0] -= FRICTION * stiffness * depth * v[0]
@@ -109,7 +109,7 @@ def _carry(
     by_q: FloatArray,
     by_v: FloatArray,
 ) -> None:
-    """Carry the tangent over the kick of a substep of h; q is at the half."""
+    """Carry the tangent over the kick of a substep of length h; q is at its middle."""
     for column in range(tangent.shape[1]):
         change_0, change_1 = 0.0, 0.0
         if column == 4:
@@ -153,7 +153,7 @@ def move(
         next_state: [4], filled.
         tangent: derivatives [4, 6] in state and push, identity before, or [4, 7] in the stiffness
             as well; unused if [0, 6].
-        touches: [substeps, 2], filled with what wall and ground do; unused if [0, 2].
+        touches: [substeps, 2], filled with the contacts of wall and ground; unused if [0, 2].
     """
     h, half = DT / substeps, 0.5 * DT / substeps
     x, y, vx, vy = state[0], state[1], state[2], state[3]

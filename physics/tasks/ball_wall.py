@@ -2,23 +2,24 @@
 
 After the ball and the wall of Suh, Simchowitz, Zhang and Tedrake (Do Differentiable Simulators Give
 Better Policy Gradients?, 2022): the return jumps where a throw just clears the wall, and the
-stiffer the contact, the fewer throws have derivatives that tell of the jump, exact as they are.
+stiffer the contact, the fewer throws have derivatives that show the jump, although they are exact.
 
     s = (x, y, vx, vy)
     x'' = F g clip(a_x) + contact,    y'' = F g clip(a_y) - 9.81 + contact
     r = -sqrt((x' - 2)^2 + (y' - 0.15)^2 + 1e-4)
 
-A hand at (-2.5, 1) m pushes the ball by up to F = 40 N in each direction while it reaches it: at
-the distance rho, g = 1 / (1 + exp((rho^2 - 1) / 0.2)). The ball (1 kg, radius 0.15 m) starts in it,
-the wall stands at x = 0, 1.2 m high with a round top and 0.2 m thick, and the target lies behind.
+A hand at (-2.5, 1) m pushes the ball by up to F = 40 N in each direction while it reaches the ball:
+at the distance rho, g = 1 / (1 + exp((rho^2 - 1) / 0.2)). The ball (1 kg, radius 0.15 m) starts in
+the hand, the wall stands at x = 0, 1.2 m high with a round top and 0.2 m thick, and the target lies
+behind it.
 
 Contact is a spring with damping, `stiffness` (N/m) times how deep the ball is in ground or wall:
 
     normal k d max(0, 1 - 0.3 v.n)        n the unit vector away from what is touched, d the depth
     along the ground -0.5 k d vx
 
-A step is 0.04 s: of as many substeps as its stiffness needs (40 at the usual 1e4 N/m), each a drift
-of half its length, a kick, and another drift. Free flight is exact.
+A step is 0.04 s. The number of its substeps depends on the stiffness (40 at the usual 1e4 N/m).
+Each substep is a drift of half its length, a kick, and another drift. Free flight is exact.
 
 Glossary:
     x, y, vx, vy   place (m) and velocity (m/s) of the ball's centre
@@ -61,7 +62,7 @@ SOFTEST, STIFFEST = 2e3, 1e6
 USUAL = 1e4
 
 VIEW = (-3.4, -0.3, 3.4, 3.0)
-CLEARANCE = 0.4  # m from the ball's centre to the edge of the view, which moves along to keep it
+CLEARANCE = 0.4  # m from the ball's centre to the edge of the view, which moves to keep this
 
 # Indices into BallWall.regimes.
 FLIGHT, CLIPPED, GROUND, SIDE, TOP = 0, 1, 2, 3, 4
@@ -88,14 +89,14 @@ def step_rows(
 
     Args:
         stiffness: of all contacts (N/m).
-        substeps: of a step.
+        substeps: their number in a step.
         states: [batch, 4].
         pushes: [batch, 2], within the box.
         next_states: [batch, 4], filled.
         rewards: [batch], filled.
         tangents: [batch, 4, 6] or [batch, 4, 7], filled with the derivatives in state, push and
             stiffness; or [0, 4, 6].
-        touches: [batch, substeps, 2], filled with what wall and ground do; or [0, substeps, 2].
+        touches: [batch, substeps, 2], filled with the contacts of wall and ground, or [0, ...].
     """
     nothing, nowhere = np.empty((0, 6)), np.empty((0, 2), np.int64)
     for row in range(states.shape[0]):
@@ -109,7 +110,7 @@ def step_rows(
 
 
 class BallWall(Environment):
-    """A ball to be thrown over a wall, and to come to lie behind it."""
+    """A ball that must be thrown over a wall and come to rest behind it."""
 
     name = "BallWall"
     version = 1
@@ -118,7 +119,7 @@ class BallWall(Environment):
     horizon = 60
     max_reward = 0.0
     step_seconds = DT
-    rounding = 4e-15  # contact multiplies that of a place by some hundred
+    rounding = 4e-15  # contact multiplies the rounding of a place by about a hundred
     regimes = ("flight", "clipped", "ground", "wall", "top of the wall")
 
     stiffness = Parameter(
@@ -127,7 +128,7 @@ class BallWall(Environment):
 
     @cached_property
     def substeps(self) -> int:
-        """Of a step: as many as its stiffness needs."""
+        """The number of substeps of a step, which depends on the stiffness."""
         return math.ceil(DT * math.sqrt(self.stiffness) / 0.1)
 
     def step_kernel(
@@ -178,8 +179,8 @@ class BallWall(Environment):
         next_by_parameter: FloatArray,
         reward_by_parameter: FloatArray,
     ) -> None:
-        """Differentiate every row in the stiffness, the number of substeps held."""
-        del reward_by_parameter  # the stiffness moves the ball alone
+        """Differentiate every row in the stiffness, with the number of substeps held constant."""
+        del reward_by_parameter  # the stiffness affects only the ball's motion
         tangents = np.empty((len(states), 4, 7))
         self._move(states, actions, np.empty_like(states), np.empty(len(states)), tangents)
         next_by_parameter[:, :, 0] = tangents[:, :, 6]
@@ -205,7 +206,7 @@ class BallWall(Environment):
         return generator.uniform([-2.6, 0.9, -0.1, -0.1], [-2.4, 1.1, 0.1, 0.1])
 
     def pieces(self, states: FloatArray, actions: FloatArray) -> Pieces:
-        """What wall and ground do in each substep, and the clip of the push."""
+        """The contacts of wall and ground in each substep, and the clip of the push."""
         states, actions = self._checked(states, actions)
         touches = np.empty((len(states), self.substeps, 2), np.int64)
         rewards = np.empty(len(states))
@@ -240,7 +241,7 @@ class BallWall(Environment):
         return np.stack([x, y, vx, vy], axis=1), generator.uniform(-1.2, 1.2, (count, 2))
 
     def draw(self, state: FloatArray) -> Drawing:
-        """The ball, the wall, the hand, and where the ball should come to lie; the view follows."""
+        """The ball, the wall, the hand, and the ball's target; the view follows."""
         x, y = float(state[0]), float(state[1])
         left, bottom, right, top = VIEW
         aside = min(x - CLEARANCE - left, 0.0) + max(x + CLEARANCE - right, 0.0)

@@ -1,4 +1,4 @@
-"""The cart and pole: the machine that CartPole and CartPoleSwingUp share (Barto and others, 1983).
+"""The cart and pole: the system that CartPole and CartPoleSwingUp share (Barto and others, 1983).
 
     w        = (F + m l omega^2 sin theta) / M
     alpha    = (g sin theta - w cos theta) / (l (4/3 - m cos^2 theta / M))
@@ -123,7 +123,7 @@ def parameter_slopes(
 
 
 class CartAndPole(Environment):
-    """The machine of a task: its parameters and its drawing."""
+    """The cart and pole of a task: its parameters and its drawing."""
 
     gravity = Parameter(GRAVITY, "m/s^2", least=0.0, greatest=100.0, meaning="gravity")
     cart_mass = Parameter(CART_MASS, "kg", least=0.01, greatest=100.0, meaning="mass of the cart")

@@ -42,7 +42,7 @@ State = tuple[float, float, float, float]
 
 
 class Links(NamedTuple):
-    """What the motion has of the parameters."""
+    """The constants of the motion, from the parameters."""
 
     mass: float
     inertia: float

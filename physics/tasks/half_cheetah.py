@@ -1,7 +1,7 @@
 """HalfCheetah: run forward on two legs of two links, with hard contact.
 
 MuJoCo's half cheetah (Wawrzynski 2009; Todorov et al. 2012) with each foot welded to its shin. Five
-substeps of 0.01 s under one action, each as robots/dynamics/substep.py has it.
+substeps of 0.01 s under one action, each as in robots/dynamics/substep.py.
 
     s = (q, v),    q = (rootx, rootz, rooty, bthigh, bshin, fthigh, fshin)
     r = (x' - x) / 0.05 - 0.1 |clip(a)|^2
@@ -13,10 +13,10 @@ Glossary:
     a              motors of the four joints, gears 120, 90, 120, 60 N m
 
 Ranges, springs, dampers and gears of the joints are MuJoCo's; masses and inertias follow from the
-capsules, as there. Frames and units are those of robots/model/description.py.
+capsules, as in MuJoCo. Frames and units are those of robots/model/description.py.
 
-Contact points are the end spheres of all capsules, torso's first, then head, bthigh, bshin, bfoot,
-fthigh, fshin, ffoot; of each the end along +axis first (of the torso the front one).
+Contact points are the end spheres of all capsules, in the order torso, head, bthigh, bshin, bfoot,
+fthigh, fshin, ffoot; the end along +axis comes first (for the torso, the front one).
 """
 
 import math

@@ -2,10 +2,10 @@
 
 MuJoCo's hopper (Erez, Tassa and Todorov 2011; Todorov et al. 2012) as Gymnasium's Hopper-v5 has it:
 geometry, masses, joints, motors and friction of its hopper.xml, its reward, start and end. Four
-substeps of 0.002 s under one action, each as robots/dynamics/substep.py has it.
+substeps of 0.002 s under one action, each as in robots/dynamics/substep.py.
 
     s = (q, v),    q = (rootx, rootz, rooty, thigh, leg, foot)
-    r = (x' - x) / 0.008 + 1 - 0.001 |clip(a)|^2        less the 1 in a step that ends the episode
+    r = (x' - x) / 0.008 + 1 - 0.001 |clip(a)|^2       without the 1 in a step that ends the episode
     ends unless rootz' > 0.7, |rooty'| < 0.2, and all others but rootx within (-100, 100)
 
 Glossary:
@@ -17,10 +17,11 @@ Glossary:
 Contact points are the end spheres of all capsules but those inside a neighbour's
 (robots/model/spheres.py): the torso's two, the knee, the heel and the toe.
 
-Not as in MuJoCo: contacts and stops are hard, and have no margin; friction is Coulomb's, between
-spheres and ground, of the larger coefficient of the two as there (1, the foot 2); links do not
-touch each other; substeps are semi-implicit, MuJoCo's are of Runge and Kutta; no start lies beyond
-a stop, where the noise puts half of the joints there; networks see speeds above 10 as they are.
+Differences from MuJoCo: contacts and stops are hard, and have no margin; friction is Coulomb's,
+between spheres and ground, with the larger of the two coefficients as in MuJoCo (1, for the foot
+2); links do not touch each other; substeps are semi-implicit, MuJoCo's are Runge-Kutta; no start
+lies beyond a stop, while in MuJoCo the noise puts half of the joints there; networks see speeds
+above 10 unclipped.
 """
 
 from math import inf, pi, radians
@@ -37,7 +38,7 @@ HEIGHT = 1.25
 
 
 def _joint(lower: float, upper: float) -> Joint:
-    """A joint, its stops in degrees."""
+    """A joint with stops in degrees."""
     return Joint(
         radians(lower),
         radians(upper),
@@ -89,7 +90,7 @@ class Hopper(RobotTask):
     version = 1
     horizon = 1000
     max_reward = 4.0
-    rounding = 2e-13  # that of heights, over the substep
+    rounding = 2e-13  # the rounding of heights, divided by the substep
     robot = ROBOT
     substep_seconds = 0.002
     substeps = 4
@@ -97,13 +98,13 @@ class Hopper(RobotTask):
     end = Health({1: (0.7, inf), 2: (-0.2, 0.2), **dict.fromkeys(range(3, 12), (-100.0, 100.0))})
 
     def initial_state(self, generator: np.random.Generator) -> FloatArray:
-        """MuJoCo's start, its joints no further than their stops."""
+        """MuJoCo's start, with joints no further than their stops."""
         state = generator.uniform(-5e-3, 5e-3, self.state_size)
         state[1] += HEIGHT
         return self.raised(self.stopped(state))
 
     def sample(self, generator: np.random.Generator, count: int) -> tuple[FloatArray, FloatArray]:
-        """As of any robot, but those coming to rest stand: lying ones are at kinks."""
+        """As for any robot, but those that come to rest stand: lying ones are at kinks."""
         states, actions = super().sample(generator, count)
         starts = self.initial_states(generator.integers(2**60, size=len(states[2::4])))
         states[2::4] = self.set_down(generator, starts)

@@ -68,7 +68,7 @@ def differentiate_rows(
 
 @compiled
 def differentiate_parameters(
-    p: FloatArray,  # noqa: ARG001 - as all of them
+    p: FloatArray,  # noqa: ARG001 - for the common signature
     states: FloatArray,
     actions: FloatArray,
     next_by_parameter: FloatArray,
@@ -81,7 +81,7 @@ def differentiate_parameters(
 
 
 class MassPoint(Environment):
-    """A point to be brought to the origin as quickly as possible."""
+    """A point that must reach the origin as quickly as possible."""
 
     name = "MassPoint"
     version = 1

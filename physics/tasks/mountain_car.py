@@ -10,8 +10,8 @@ Glossary:
     v   velocity (per step)
     P   power of the motor, 0.0015 a step; G pull of the slope, 0.0025 a step; p = (P, G)
 
-Gymnasium's own reward is 100 at the goal, less the squared action; this one is the height above the
-valley, 0 on the hilltop. Dynamics after Moore (1990), by way of Gymnasium.
+Gymnasium's own reward is 100 at the goal minus the squared action; this one is the height above the
+valley, 0 on the hilltop. The dynamics are those of Moore (1990), as in Gymnasium.
 """
 
 import math
@@ -109,7 +109,7 @@ def differentiate_rows(
         moves = 1.0 if abs(speed) <= MAX_SPEED else 0.0
         by_x = moves * 3.0 * slope * math.sin(3.0 * x)
         by_a = moves * power if abs(a) <= 1.0 else 0.0
-        # A wall holds the position whatever the state was; the left one holds the velocity too.
+        # A wall fixes the position whatever the state was; the left one also fixes the velocity.
         runs = 1.0 if LEFT_WALL <= x + v <= RIGHT_WALL else 0.0
         rolls = 0.0 if next_states[row, 0] == LEFT_WALL and v < 0.0 else 1.0
         state_jacobians[row, 0, 0] = runs * (1.0 + by_x)
@@ -155,7 +155,7 @@ def piece_rows(
     speed_sides: IntArray,
     wall_sides: IntArray,
 ) -> None:
-    """-1, 0 or 1 [batch]: whether the speed was clipped, and which wall was hit."""
+    """Fill both [batch] with -1, 0 or 1: the side of the speed's clip, and the wall hit."""
     power, slope = p
     for row in range(states.shape[0]):
         x = states[row, 0]

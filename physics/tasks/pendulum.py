@@ -1,4 +1,4 @@
-"""Pendulum: a rod to be swung up and held upright by a weak motor (Gymnasium's Pendulum-v1).
+"""Pendulum: swing a rod up with a weak motor and hold it upright (Gymnasium's Pendulum-v1).
 
     u       = u_max clip(a)
     r       = -(wrap(theta)^2 + 0.1 omega^2 + 0.001 u^2)
@@ -199,11 +199,11 @@ class Pendulum(Environment):
     parameter_kernel = WithParameters(differentiate_parameters)
 
     def initial_state(self, generator: np.random.Generator) -> FloatArray:
-        """Any angle, a slow turn: theta ~ U(-pi, pi), omega ~ U(-1, 1)."""
+        """Any angle at a slow rate: theta ~ U(-pi, pi), omega ~ U(-1, 1)."""
         return generator.uniform([-math.pi, -1.0], [math.pi, 1.0])
 
     def pieces(self, states: FloatArray, actions: FloatArray) -> Pieces:
-        """Torque inside or beyond its bounds, speed likewise, and the reward's turn."""
+        """Torque inside or beyond its bounds, speed likewise, and the turn in the reward's wrap."""
         torque_side = clip_sides(actions)[:, 0]
         speed_side = clip_sides(free_speeds(self.parameter_values, states, actions) / MAX_SPEED)
         turn = np.floor((states[:, 0] + math.pi) / TWO_PI).astype(np.int64)
@@ -212,7 +212,7 @@ class Pendulum(Environment):
         return Pieces(regime, np.stack([torque_side, speed_side, turn], axis=1))
 
     def sample(self, generator: np.random.Generator, count: int) -> tuple[FloatArray, FloatArray]:
-        """Up to two turns either way, at every speed, with torques beyond the bounds."""
+        """Up to two turns either way, at every speed, with some torques beyond the bounds."""
         states = generator.uniform([-4 * math.pi, -8.0], [4 * math.pi, 8.0], (count, 2))
         return states, generator.uniform(-1.5, 1.5, (count, 1))
 

@@ -1,4 +1,4 @@
-"""RollingDie: a die is thrown and turns itself in flight to bounce to a target (Tan, section 4).
+"""RollingDie: a thrown die turns itself in flight to bounce to a target (Tan, section 4).
 
     s = (x, y, theta, vx, vy, omega),   alpha = 6 u_max clip(a)
     s'  by 0.02 s of impacts.die_motion
@@ -10,11 +10,11 @@ Glossary:
     vx, vy     velocity of the centre (m/s)
     omega      angular velocity (rad/s)
     u_max      the greatest torque, 1 N m
-    a          torque as a share of it: turns the die in flight, but cannot tip or roll a lying one
+    a          torque as a share of u_max: turns a flying die, but cannot tip or roll a lying one
 
-A square die of side 1 m and mass 1 kg. Impacts move in time with the state, and their derivative
-with them, so Jacobians are exact through any number of bounces; near glancing touches they are
-large (entries reach about 1,300).
+The die is a square of side 1 m and mass 1 kg. The times of impacts depend on the state, and the
+derivatives include this, so Jacobians are exact through any number of bounces; near glancing
+touches they are large (entries reach about 1,300).
 
 Corners that touch at the same moment strike one after the other, the smallest index first. So a
 die that falls flat, straight down and without spin does not rise straight: with corners 2 and 3
@@ -74,10 +74,10 @@ TARGET_X = 5.0
 TARGET_Y = 0.5
 SOFTNESS = 1e-4  # m^2, rounds the tip of the distance to the target
 
-# Indices into RollingDie.regimes; the impacts and the settled contacts go on by path.
+# Indices into RollingDie.regimes; impacts and settled contacts are further indexed by path.
 FLIGHT, CLIPPED, ONE_IMPACT, SEVERAL_IMPACTS, SETTLED_ON, CUT_SHORT, STOPPING = 0, 1, 2, 5, 6, 8, 9
 
-# Where `sample` looks: bounds of tilt from flat, gap, rate and slip of the lowest corner, omega.
+# Ranges of `sample`: tilt from flat, gap, rate and slip of the lowest corner, omega.
 SITUATIONS = np.array(
     [
         [[-0.8, 0.8], [0.1, 3.0], [-5.0, 5.0], [-8.0, 8.0], [-8.0, 8.0]],  # in the air
@@ -90,30 +90,30 @@ SITUATIONS = np.array(
 )
 
 VIEW = (-1.0, -0.3, 8.0, 4.8)
-CLEARANCE = 0.8  # m from the die's centre to the edge of the view, which moves along to keep it
+CLEARANCE = 0.8  # m from the die's centre to the edge of the view, which moves to keep this
 
 
 @compiled
 def body_of(state: FloatArray) -> FlyingBody:
-    """The die of a state [6], a whole step ahead of it."""
+    """The die of a state [6], with a whole step of time left."""
     return FlyingBody(state[0], state[1], state[2], state[3], state[4], state[5], DT)
 
 
 @compiled
 def laws_of(p: FloatArray) -> tuple[Laws, float]:
-    """How a die with these parameters falls, and what the greatest torque does to it (rad/s^2)."""
+    """The laws of a die with these parameters, and the greatest torque's acceleration (rad/s^2)."""
     return Laws(p[0], p[1], p[2]), TORQUE_GAIN * p[3]
 
 
 @compiled
 def angular_acceleration(gain: float, a: float) -> float:
-    """What the torque of an action does to the die (rad/s^2)."""
+    """The angular acceleration of an action's torque (rad/s^2)."""
     return gain * min(max(a, -1.0), 1.0)
 
 
 @compiled
 def arrive(body: FlyingBody, next_state: FloatArray) -> bool:
-    """Write a moved die into a state [6]; whether all of it is finite."""
+    """Write a moved die into a state [6]; return whether all of it is finite."""
     total = 0.0
     for i in range(TIME):
         next_state[i] = body[i]
@@ -123,7 +123,7 @@ def arrive(body: FlyingBody, next_state: FloatArray) -> bool:
 
 @compiled
 def find_sunk(states: FloatArray, sunk: BoolArray) -> bool:
-    """Mark the states [batch] with a corner below the ground, rounding aside; whether any has."""
+    """Mark the states [batch] with a corner below the ground beyond rounding; return if any has."""
     found = False
     for row in range(states.shape[0]):
         sunk[row] = False
@@ -225,7 +225,7 @@ def piece_rows(
 
 @compiled
 def regime_of(trace: Trace) -> int:
-    """Index into `RollingDie.regimes`, from what ended the step if there were several contacts."""
+    """Index into `RollingDie.regimes`; with several contacts, what ended the step decides."""
     regime, impacts, cut_short = FLIGHT, 0, False
     for row in range(trace.shape[0]):
         kind, path = trace[row, KIND], int(trace[row, PATH])
@@ -243,7 +243,7 @@ def regime_of(trace: Trace) -> int:
 
 
 class RollingDie(Environment):
-    """A die to be turned in flight so that its bounces carry it to the target."""
+    """A die that must be turned in flight so that it bounces to the target."""
 
     name = "RollingDie"
     version = 1
@@ -288,7 +288,7 @@ class RollingDie(Environment):
         return sunk | super().outside(states)
 
     def check_inside(self, states: FloatArray, actions: FloatArray) -> None:
-        """No corner below the ground, and everything finite."""
+        """Check that no corner is below the ground and that everything is finite."""
         super().check_inside(states, actions)
         sunk = np.empty(len(states), np.bool_)
         if find_sunk(states, sunk):
@@ -315,7 +315,7 @@ class RollingDie(Environment):
         return report_of(traces, DT)
 
     def contact_impulses(self, states: FloatArray, actions: FloatArray) -> list[FloatArray]:
-        """One for each contact of the step; a lying die has none, its weight is held as it slides.
+        """One impulse for each contact of the step; none for a lying die, whose weight is held.
 
         Raises:
             ValueError: as `step`.
@@ -338,7 +338,7 @@ class RollingDie(Environment):
         return states, generator.uniform(-1.2, 1.2, (count, 1))
 
     def draw(self, state: FloatArray) -> Drawing:
-        """The die, a pip in its corner 0, above the ground, and where it should come to lie."""
+        """The die above the ground, with a pip in its corner 0, and its target."""
         x, y, theta = (float(number) for number in state[:3])
         left, bottom, right, top = VIEW
         shift = min(x - CLEARANCE - left, 0.0) + max(x + CLEARANCE - right, 0.0)

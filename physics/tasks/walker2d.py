@@ -2,10 +2,10 @@
 
 MuJoCo's planar walker (Levine and Koltun 2013; Todorov et al. 2012) as Gymnasium's Walker2d-v5 has
 it: geometry, masses, joints, motors and friction of its walker2d_v5.xml, its reward, start and end.
-Four substeps of 0.002 s under one action, each as robots/dynamics/substep.py has it.
+Four substeps of 0.002 s under one action, each as in robots/dynamics/substep.py.
 
     s = (q, v),    q = (rootx, rootz, rooty, thigh, leg, foot, thigh_left, leg_left, foot_left)
-    r = (x' - x) / 0.008 + 1 - 0.001 |clip(a)|^2        less the 1 in a step that ends the episode
+    r = (x' - x) / 0.008 + 1 - 0.001 |clip(a)|^2       without the 1 in a step that ends the episode
     ends unless 0.8 < rootz' < 2 and |rooty'| < 1
 
 Glossary:
@@ -15,12 +15,13 @@ Glossary:
     a              motors of the six joints, 100 N m each
 
 Contact points are the end spheres of all capsules but those inside a neighbour's
-(robots/model/spheres.py): the torso's two, then of each leg the knee, the toe and the heel.
+(robots/model/spheres.py): the torso's two, then the knee, the toe and the heel of each leg.
 
-Not as in MuJoCo: contacts and stops are hard; friction is Coulomb's, between spheres and ground, of
-the larger coefficient of the two as there (0.9, the feet 1.9); substeps are semi-implicit, MuJoCo's
-are of Runge and Kutta; no start lies beyond a stop, where the noise puts half of the joints there;
-networks see speeds above 10 as they are. The legs pass each other, as there.
+Differences from MuJoCo: contacts and stops are hard; friction is Coulomb's, between spheres and
+ground, with the larger of the two coefficients as in MuJoCo (0.9, for the feet 1.9); substeps are
+semi-implicit, MuJoCo's are Runge-Kutta; no start lies beyond a stop, while in MuJoCo the noise puts
+half of the joints there; networks see speeds above 10 unclipped. As in MuJoCo, the legs pass each
+other.
 """
 
 from math import pi, radians
@@ -37,7 +38,7 @@ HEIGHT = 1.25
 
 
 def _joint(lower: float, upper: float) -> Joint:
-    """A joint, its stops in degrees."""
+    """A joint with stops in degrees."""
     return Joint(
         radians(lower),
         radians(upper),
@@ -50,7 +51,7 @@ def _joint(lower: float, upper: float) -> Joint:
 
 
 def _leg(side: str) -> tuple[Link, ...]:
-    """The links of one leg; of the left one the names end so."""
+    """The links of one leg; `side` ends the names of the left leg's links."""
     thigh, leg, foot = (f"{name}{side}" for name in ("thigh", "leg", "foot"))
     return (
         Link(
@@ -95,7 +96,7 @@ class Walker2d(RobotTask):
     version = 1
     horizon = 1000
     max_reward = 6.0
-    rounding = 2e-13  # that of heights, over the substep
+    rounding = 2e-13  # the rounding of heights, divided by the substep
     robot = ROBOT
     substep_seconds = 0.002
     substeps = 4
@@ -103,13 +104,13 @@ class Walker2d(RobotTask):
     end = Health({1: (0.8, 2.0), 2: (-1.0, 1.0)})
 
     def initial_state(self, generator: np.random.Generator) -> FloatArray:
-        """MuJoCo's start, its joints no further than their stops."""
+        """MuJoCo's start, with joints no further than their stops."""
         state = generator.uniform(-5e-3, 5e-3, self.state_size)
         state[1] += HEIGHT
         return self.raised(self.stopped(state))
 
     def sample(self, generator: np.random.Generator, count: int) -> tuple[FloatArray, FloatArray]:
-        """As of any robot, but those coming to rest stand: lying ones are at kinks."""
+        """As for any robot, but those that come to rest stand: lying ones are at kinks."""
         states, actions = super().sample(generator, count)
         starts = self.initial_states(generator.integers(2**60, size=len(states[2::4])))
         states[2::4] = self.set_down(generator, starts)

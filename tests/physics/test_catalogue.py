@@ -33,9 +33,9 @@ def test_an_unknown_name_is_answered_with_the_nearest() -> None:
         ("physics.environment:Environment", r"Mine .* cannot be made: TypeError: .*abstract"),
         (
             "physics.tasks.pendulum:Pendulum",
-            r"makes <.*Pendulum object.*>, which is no task of its name",
+            r"makes <.*Pendulum object.*>, which is not a task of that name",
         ),
-        ("builtins:dict", r"entry point 'Mine' makes {}, which is no task of its name"),
+        ("builtins:dict", r"entry point 'Mine' makes {}, which is not a task of that name"),
     ],
 )
 def test_an_entry_that_makes_no_task_is_refused_by_name(

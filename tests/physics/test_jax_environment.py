@@ -200,7 +200,7 @@ def test_the_configuration_of_others_is_left_alone() -> None:
     ],
 )  # fmt: skip
 def test_a_mistake_names_the_function(attributes: dict[str, Any], complaint: str) -> None:
-    with pytest.raises(ValueError, match=rf"^Mistaken is no task yet:\n- {complaint}"):
+    with pytest.raises(ValueError, match=rf"^Mistaken is not a valid task:\n- {complaint}"):
         type("Mistaken", (InJax,), attributes)()
 
 

@@ -15,7 +15,7 @@ from tests.physics.small_tasks import Plain
 
 def refusal(task: type, **attributes: Any) -> str:
     """Why a task is refused, with some of its attributes replaced."""
-    with pytest.raises(ValueError, match="Wrong is no task yet:\n- ") as caught:
+    with pytest.raises(ValueError, match="Wrong is not a valid task:\n- ") as caught:
         type("Wrong", (task,), attributes)()
     return str(caught.value)
 

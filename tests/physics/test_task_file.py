@@ -125,7 +125,7 @@ def test_one_of_several_must_be_named(file: Path) -> None:
         (ARM.replace("def reward", "def rewards"), "docs/add-a-task.md); Arm lacks reward"),
         (ARM.replace(".sum()", ""), "- reward must return a tensor [] of torch.float64, not [2]"),
         (ARM.replace(".sum()", ""), "(my_tasks.py, line 25)"),
-        (ARM.replace(".sum()", ""), "my_tasks.py, line 12: Arm is no task yet:"),
+        (ARM.replace(".sum()", ""), "my_tasks.py, line 12: Arm is not a valid task:"),
         (ARM.replace("    horizon = 50\n", ""), "- horizon is missing: it must be an integer"),
         (ARM.replace("stiffness = Par", "step = Par"), "- the parameter step needs another name: "),
         (

@@ -9,7 +9,7 @@ Glossary:
     x, y   place of the upper pole's tip (m), which networks do not see
     f      force (N) of the rail's ends on the cart, clipped to 10 for networks
 
-x, y and f are those that the step's last stage left, as there: not quite those of the next state.
+As in Gymnasium, x, y and f are those of the step's last stage: not quite those of the next state.
 """
 
 from types import MappingProxyType
@@ -40,7 +40,7 @@ class InvertedDoublePendulum(MujocoTask):
     angles = MappingProxyType({1: 1, 2: 1})
     hidden = (X, Y)
     clipped = MappingProxyType({3: 10.0, 4: 10.0, 5: 10.0, 8: 10.0})
-    feature_order = (0, 2, 4, 1, 3, 5, 6, 7, 8)  # sines before cosines, as there
+    feature_order = (0, 2, 4, 1, 3, 5, 6, 7, 8)  # sines before cosines, as in Gymnasium
     measures_as_left = True
 
     @staticmethod
@@ -51,12 +51,12 @@ class InvertedDoublePendulum(MujocoTask):
         return np.array([x, y, data.qfrc_constraint[0]])
 
     def start(self, generator: np.random.Generator) -> FloatArray:
-        """Upright, and noise."""
+        """The upright pose with noise."""
         q = self.model.qpos0 + generator.uniform(-0.1, 0.1, self.model.nq)
         return np.concatenate([q, 0.1 * generator.standard_normal(self.model.nv)])
 
     def sample(self, generator: np.random.Generator, count: int) -> tuple[FloatArray, FloatArray]:
-        """As of any task, every third cart at an end of the rail."""
+        """See `Environment.sample`; every third cart is at an end of the rail."""
         states, actions = super().sample(generator, count)
         side = generator.choice([-1.0, 1.0], len(states[::3]))
         states[::3, 0] = side * generator.uniform(0.9, 1.02, len(side))
@@ -76,18 +76,18 @@ class InvertedDoublePendulum(MujocoTask):
     def reward_gradients(
         self, states: FloatArray, actions: FloatArray, next_states: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Of the penalties; the bonus is piecewise constant."""
+        """The gradients of the penalties; the bonus is piecewise constant."""
         by_next = np.zeros_like(next_states)
         by_next[:, [X, Y]] = -2.0 * _off(next_states) * OF_PLACE
         by_next[:, 4:6] = -2.0 * next_states[:, 4:6] * OF_SPEED
         return np.zeros_like(states), np.zeros_like(actions), by_next
 
     def ends(self, next_states: FloatArray) -> BoolArray:
-        """The tip has sunk to 1 m."""
+        """Whether the tip is at or below 1 m."""
         low: BoolArray = next_states[:, Y] <= ENOUGH
         return low
 
 
 def _off(states: FloatArray) -> FloatArray:
-    """How far the tip [batch, 2] is from 2 m above the middle of the rail."""
+    """The offset [batch, 2] of the tip from the point 2 m above the middle of the rail."""
     return states[:, [X, Y]] - (0.0, 2.0)

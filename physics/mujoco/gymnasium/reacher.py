@@ -7,8 +7,8 @@
 Glossary:
     d   from the target to the tip (m); networks see dx and dy
 
-d is what the step's last stage left, as there: not quite that of the next state. Its length has no
-derivative at 0, and 0 is taken.
+As in Gymnasium, d is that of the step's last stage: not quite that of the next state. Its length
+has no derivative at 0; there, 0 is used.
 """
 
 from types import MappingProxyType
@@ -21,11 +21,11 @@ from physics.mujoco.gymnasium.assets import asset
 from physics.mujoco.mujoco_task import MujocoTask
 
 FARTHEST = 0.2
-"""Of a target from the arm's base (m)."""
+"""The largest distance of a target from the arm's base (m)."""
 
 
 class Reacher(MujocoTask):
-    """The arm stretched out, and a target in its reach."""
+    """The outstretched arm, and a target within its reach."""
 
     name = "mujoco/Reacher"
     version = 1
@@ -36,7 +36,7 @@ class Reacher(MujocoTask):
     angles = MappingProxyType({0: 1, 1: 1})
     hidden = (6, 7, 10)
     noise_factors = MappingProxyType({6: 0.0, 7: 0.0})  # the target stays
-    feature_order = (0, 2, 1, 3, 4, 5, 6, 7, 8, 9)  # cosines before sines, as there
+    feature_order = (0, 2, 1, 3, 4, 5, 6, 7, 8, 9)  # cosines before sines, as in Gymnasium
     measures_as_left = True
     plane = "xy"
 
@@ -49,7 +49,7 @@ class Reacher(MujocoTask):
         return difference
 
     def start(self, generator: np.random.Generator) -> FloatArray:
-        """The arm with noise, a target drawn in the disc, which does not move."""
+        """The arm with noise, and a fixed target drawn in the disc."""
         q = self.model.qpos0 + generator.uniform(-0.1, 0.1, self.model.nq)
         goal = np.full(2, np.inf)
         while np.hypot(*goal) >= FARTHEST:
@@ -60,7 +60,7 @@ class Reacher(MujocoTask):
     def rewards(
         self, states: FloatArray, actions: FloatArray, next_states: FloatArray
     ) -> FloatArray:
-        """The distance and the control, as costs."""
+        """The negative costs of distance and control."""
         del states
         distance = np.linalg.norm(next_states[:, 8:], axis=1)
         earned: FloatArray = -distance - np.square(actions).sum(axis=1)
@@ -69,7 +69,7 @@ class Reacher(MujocoTask):
     def reward_gradients(
         self, states: FloatArray, actions: FloatArray, next_states: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Of both costs."""
+        """The gradients of both costs."""
         by_next = np.zeros_like(next_states)
         distance = np.linalg.norm(next_states[:, 8:], axis=1, keepdims=True)
         by_next[:, 8:] = -next_states[:, 8:] / np.where(distance > 0.0, distance, 1.0)

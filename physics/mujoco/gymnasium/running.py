@@ -1,18 +1,18 @@
-"""HalfCheetah, Hopper, Walker2d and Swimmer: get forward, as in Gymnasium's v5.
+"""HalfCheetah, Hopper, Walker2d and Swimmer: move forward, as in Gymnasium's v5.
 
     r = (x' - x) / T + bonus - cost |a|^2,    bonus only where the step does not end the episode
 
 Glossary:
     x      place along the ground (m), qpos[0], which no network sees
     T      seconds of a step
-    cost   of control
+    cost   factor of the control cost
 
-Nothing bounds a step's reward here, so `max_reward` is a mark and no bound: Gymnasium's threshold
-for Swimmer (a return of 360 in 1,000 steps) and, rounded up, for Hopper (3,800), the constant of
-the project's own HalfCheetah, and for Walker2d, which has no threshold, an estimate.
+A step's reward has no bound here, so `max_reward` is a reference value, not a bound: Gymnasium's
+threshold for Swimmer (a return of 360 in 1,000 steps) and, rounded up, for Hopper (3,800), the
+constant of the project's own HalfCheetah, and an estimate for Walker2d, which has no threshold.
 
 Hopper and Walker2d end where they are no longer healthy, and networks see their speeds clipped to
-10, as there. Actions are in the box, as these models' controls are.
+10, as in Gymnasium. Actions are in the box, as these models' controls are.
 """
 
 from pathlib import Path
@@ -31,15 +31,15 @@ FASTEST_SEEN = 10.0
 
 
 class Running(MujocoTask):
-    """A model that earns its speed along the first coordinate."""
+    """A model whose reward is its speed along the first coordinate."""
 
     control_cost: ClassVar[float]
     bonus: ClassVar[float] = 0.0
     start_noise: ClassVar[float]
-    """Coordinates begin that far from the model's own, at most."""
+    """The largest distance of a start's coordinates from the model's own."""
 
     def start(self, generator: np.random.Generator) -> FloatArray:
-        """The model's own state, and noise in all coordinates."""
+        """The model's own state, with noise in all coordinates."""
         return self._rest() + generator.uniform(
             -self.start_noise, self.start_noise, self.state_size
         )
@@ -56,7 +56,7 @@ class Running(MujocoTask):
     def reward_gradients(
         self, states: FloatArray, actions: FloatArray, next_states: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Of the speed and the cost; the bonus is piecewise constant."""
+        """The gradients of the speed and the cost; the bonus is piecewise constant."""
         by_state, by_next = np.zeros_like(states), np.zeros_like(next_states)
         by_state[:, 0], by_next[:, 0] = -1.0 / self.step_seconds, 1.0 / self.step_seconds
         return by_state, -2.0 * self.control_cost * actions, by_next
@@ -77,20 +77,20 @@ class HalfCheetah(Running):
 
     @classmethod
     def compiled_model(cls) -> Model:
-        """The model, its mass set by a call: the file's attribute for it is deprecated."""
+        """The model; a call sets its mass, since the file's attribute for it is deprecated."""
         model = compiled(Path(cls.mjcf).read_text().replace('settotalmass="14"', ""))
         mujoco.mj_setTotalmass(model, 14.0)
         mujoco.mj_setConst(model, mujoco.MjData(model))
         return model
 
     def start(self, generator: np.random.Generator) -> FloatArray:
-        """The model's own pose and noise, speeds normal."""
+        """The model's own pose with noise, and normal speeds."""
         q = self.model.qpos0 + generator.uniform(-0.1, 0.1, self.model.nq)
         return np.concatenate([q, 0.1 * generator.standard_normal(self.model.nv)])
 
 
 class Hopper(Running):
-    """The hopper, which ends when it leans or sinks."""
+    """The hopper; an episode ends when it leans or sinks."""
 
     name = "mujoco/Hopper"
     version = 1
@@ -105,14 +105,14 @@ class Hopper(Running):
     start_noise = 5e-3
 
     def ends(self, next_states: FloatArray) -> BoolArray:
-        """Too low, tilted, or any other coordinate but x beyond 100."""
+        """Whether it is too low or tilted, or any other coordinate but x is beyond 100."""
         rest = (np.abs(next_states[:, 2:]) < 100.0).all(axis=1)
         healthy: BoolArray = rest & (next_states[:, 1] > 0.7) & (np.abs(next_states[:, 2]) < 0.2)
         return ~healthy
 
 
 class Walker2d(Running):
-    """The walker, which ends when it falls."""
+    """The walker; an episode ends when it falls."""
 
     name = "mujoco/Walker2d"
     version = 1
@@ -127,7 +127,7 @@ class Walker2d(Running):
     start_noise = 5e-3
 
     def ends(self, next_states: FloatArray) -> BoolArray:
-        """Too low, too high or tilted."""
+        """Whether it is too low, too high or tilted."""
         height, pitch = next_states[:, 1], next_states[:, 2]
         healthy: BoolArray = (height > 0.8) & (height < 2.0) & (np.abs(pitch) < 1.0)
         return ~healthy

@@ -1,4 +1,4 @@
-"""Body: the state of one robot, and all that a substep computes on the way.
+"""Body: the state of one robot, and the intermediate results of a substep.
 
 Kernels work on one body at a time, in absolute link angles; tasks hold states in rows, in relative
 angles. The map between the two is constant: an absolute angle is the sum of the relative ones from
@@ -20,7 +20,7 @@ class Body(Protocol):
     q: Annotated[Floats, "n"]
     v: Annotated[Floats, "n"]
     torque: Annotated[Floats, "n"]
-    """`G a` of the joint to the link's parent."""
+    """`G a`, the torque of the joint to the link's parent."""
     pose: Pose
     A: Annotated[Floats, "n", "n"]
     """Lower triangle along the tree."""

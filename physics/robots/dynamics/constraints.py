@@ -1,4 +1,4 @@
-"""Where a planar robot can be stopped: spheres by flat ground, joints by their stops.
+"""The constraints of a planar robot: flat ground for its spheres, stops for its joints.
 
 Constraints are numbered spheres first, then stops. Each has a distance that stays positive, a
 normal row Jn (its rate is `Jn v`) and, for a sphere, a tangential row Jt at its lowest point:
@@ -7,9 +7,9 @@ normal row Jn (its rate is `Jn v`) and, for a sphere, a tangential row Jt at its
     room = sign (joint angle - bound)                Jn = sign at the link, -sign at its parent
 
 with p the arm (or, on the sphere's own link, the spoke) that its link's angle turns. In Jt the
-lowest point adds -radius on the own link, an offset that does not turn with it. Hence
+lowest point adds -radius on the sphere's own link, an offset that does not turn with it. Hence
 
-    dJn[j] / dtheta_j = -(Jt[j] + radius on the own link)       dJt[j] / dtheta_j = Jn[j]
+    dJn[j] / dtheta_j = -(Jt[j] + radius on its own link)       dJt[j] / dtheta_j = Jn[j]
 """
 
 from physics.kernels.compiled import compiled

@@ -1,6 +1,7 @@
 """A robot's step: substeps under one action, with derivatives and contact modes on request.
 
-All in one kernel. It is compiled once for the sizes of a robot, not for its numbers or its callers.
+One kernel does all of it. It is compiled once for the sizes of a robot, not for its numbers or its
+callers.
 """
 
 import numpy as np
@@ -49,7 +50,7 @@ def move_rows(
         no_bodies: an array [0] of the type of its bodies.
         no_tangents: an array [0] of the type of its tangents.
         h: length of a substep (s).
-        substeps: of a step.
+        substeps: their number in a step.
         states: [batch, 2n].
         actions: [batch, m].
         next_states: [batch, 2n], filled.
@@ -62,7 +63,7 @@ def move_rows(
     bodies, tangents = np.empty(1, no_bodies.dtype), np.empty(1, no_tangents.dtype)
     is_differentiated, is_recorded = state_jacobians.shape[0] > 0, modes.shape[0] > 0
     for row in range(states.shape[0]):
-        body, tangent = bodies[0], tangents[0]  # taken in the loop, which keeps the arrays alive
+        body, tangent = bodies[0], tangents[0]  # indexed in the loop, which keeps the arrays alive
         load_state(mechanism, states, row, body)
         load_action(mechanism, actions, row, body)
         if is_differentiated:

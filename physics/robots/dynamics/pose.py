@@ -9,8 +9,8 @@ link j turned to the world (model/description.py), `'` the derivative in the ang
     c[x], c[z] = -sum_j omega_j^2 w_j + (0, mass g)
     c[i] = -omega_j^2 N[j, i],  c[j] = omega_i^2 N[j, i]  summed over pairs;  c[j] -= g w_j[x]
 
-so nothing but rotations of constant vectors is evaluated. Joint quantities (relative angles) are
-differences of a link and its parent, and keep the tree's sparsity.
+so only rotations of constant vectors are evaluated. Joint quantities (relative angles) are
+differences between a link and its parent, and keep the tree's sparsity.
 """
 
 from math import cos, sin
@@ -25,7 +25,7 @@ ROOT = 2
 
 
 class Pose(Protocol):
-    """What follows from the coordinates alone, in the world's frame."""
+    """The quantities that depend on the coordinates alone, in the world's frame."""
 
     turn: Annotated[Floats, "n", "2"]
     """Cosine and sine of the link's angle."""

@@ -1,8 +1,8 @@
-"""How well a substep solves its equations: the largest error of any, in its own unit.
+"""The residual of a substep: the largest error of its equations, each in its own unit.
 
-The equation of motion's error (N s, in relative angles, where the force on a joint is the sum over
-the links beyond it), and `|min(x, y)|` over the complementary pairs of every constraint, with
-`pt+ = max(pt, 0)`, `pt- = max(-pt, 0)`, `lambda = |Jt v'|`:
+The errors are that of the equation of motion (N s, in relative angles, where the force on a joint
+is the sum over the links beyond it), and `|min(x, y)|` for the complementary pairs of every
+constraint, with `pt+ = max(pt, 0)`, `pt- = max(-pt, 0)`, `lambda = |Jt v'|`:
 
     pn, Jn v' + distance / h      pt+, lambda + Jt v'      pt-, lambda - Jt v'
     lambda, mu pn - pt+ - pt-
@@ -46,7 +46,7 @@ def _motion_error(mechanism: Mechanism, body: Body) -> float:
 
 @compiled
 def _friction_error(body: Body, i: int) -> float:
-    """Worst pair of candidate i that involves friction."""
+    """The largest error of the pairs of candidate i that involve friction."""
     problem = body.problem
     pn, pt = problem.impulse[2 * i], problem.impulse[2 * i + 1]
     slip = 0.0
@@ -64,7 +64,7 @@ def _friction_error(body: Body, i: int) -> float:
 def residual(mechanism: Mechanism, body: Body) -> float:
     """The largest error of a solved substep; infinity if its velocity or impulses are not finite.
 
-    Those are asked for first: `max` passes over a NaN.
+    These are checked first, because `max` ignores a NaN.
     """
     problem = body.problem
     for j in range(body.next_v.shape[0]):

@@ -2,7 +2,7 @@
 
 With S the constant map from relative to absolute angles (body.py), `M = S^T M_absolute S` plus the
 rotors, and a force on a relative angle is the sum over all links beyond the joint. The simulator
-itself never needs these: they are for comparing it with others.
+itself never needs these quantities: they serve to compare it with others.
 """
 
 from physics.kernels.compiled import compiled

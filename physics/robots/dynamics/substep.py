@@ -12,7 +12,7 @@ With `A = M + h D + h^2 K` (armature in M) the first line is solved for the chan
 `A (v' - v) = f + J^T p`, `f = h (G a - K q - c) - (h D + h^2 K) v`.
 
 Only the constraints that the motion would violate, the candidates, enter the linear
-complementarity problem; all are looked at again after each solve.
+complementarity problem; all constraints are checked again after each solve.
 """
 
 from physics.kernels.compiled import compiled
@@ -107,7 +107,7 @@ def _add_candidate(mechanism: Mechanism, body: Body, k: int) -> None:
 
 @compiled
 def _add_violated(mechanism: Mechanism, body: Body) -> bool:
-    """Append what `next_v` violates and the problem does not know; False if there is none."""
+    """Append the violated constraints that the problem lacks; False if there are none."""
     known = body.problem.count
     for k in range(body.margin.shape[0]):
         rate = approach(mechanism, body.pose, body.next_v, k)
@@ -140,7 +140,7 @@ def solve_substep(mechanism: Mechanism, h: float, body: Body) -> None:
 
 @compiled
 def advance(body: Body, h: float) -> None:
-    """Move on to the end of the substep."""
+    """Advance the body to the end of the substep."""
     for i in range(body.v.shape[0]):
         body.v[i] = body.next_v[i]
         body.q[i] += h * body.v[i]

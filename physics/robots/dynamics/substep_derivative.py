@@ -34,8 +34,8 @@ class Tangent(Protocol):
     """Derivatives of a body's q and v in p inputs (the start state, the action), and scratch."""
 
     inputs: int
-    """p. A number that the compiler knows would have it unroll the loops over columns instead of
-    making vectors of them, which costs the derivative a sixth more time."""
+    """p. If the compiler knew this number, it would unroll the loops over columns instead of
+    vectorising them, and the derivative would take a sixth more time."""
     q: Annotated[Floats, "n", "p"]
     v: Annotated[Floats, "n", "p"]
     torque: Annotated[Floats, "n"]
@@ -51,7 +51,7 @@ class Tangent(Protocol):
 
 @compiled
 def load_tangent(mechanism: Mechanism, actions: Floats, row: int, tangent: Tangent) -> None:
-    """Start with the derivatives of what `body.load_...` loads, in state and action of a row."""
+    """Set the derivatives of what `body.load_...` loads in the state and action of a row."""
     n = mechanism.parent.shape[0]
     tangent.inputs = tangent.q.shape[1]
     for j in range(n):
@@ -208,7 +208,7 @@ def _fill_active_rows(mechanism: Mechanism, h: float, body: Body, tangent: Tange
 
 @compiled
 def _respond(mechanism: Mechanism, h: float, body: Body, tangent: Tangent) -> None:
-    """Solve for the impulses' tangents and add what they do to `L^-T F`."""
+    """Solve for the impulses' tangents and add their effect to `L^-T F`."""
     problem, inputs = body.problem, tangent.inputs
     _fill_active_rows(mechanism, h, body, tangent)
     solve_active(problem, tangent.B, tangent.dp)

@@ -1,7 +1,7 @@
 """Leaf-first factorisation of a matrix with the sparsity of a tree: `A = L^T D L`.
 
 `A[i, j]` is nonzero only where one index is an ancestor of the other, so that eliminating the
-leaves first fills nothing in between branches (Featherstone, Rigid Body Dynamics Algorithms,
+leaves first causes no fill-in between branches (Featherstone, Rigid Body Dynamics Algorithms,
 2008, section 6.5). Only `A[j, i]` with `i` an ancestor of `j`, or `i = j`, is read or written.
 
     parent   [n] the next index towards the root, -1 at the root; parents precede children

@@ -6,8 +6,8 @@ Constraint k has a normal row 2k and, if its friction mu is positive, a tangenti
     0 <= pn  complementary to  velocity[2k] >= 0
     |pt| <= mu pn, opposing velocity[2k + 1] (maximum dissipation)
 
-W [2m, 2m] is the inverse inertia seen by the rows (Delassus operator), `free` what the velocities
-would be without impulses, position terms included.
+W [2m, 2m] is the inverse inertia seen by the rows (Delassus operator), `free` the velocities
+without impulses, including position terms.
 
 Each constraint is in one of four modes (contact_mode.py), and given all modes the impulses follow
 from linear equations. The modes are guessed, the equations solved, and each constraint that then
@@ -15,10 +15,10 @@ contradicts its mode changes it: one that penetrates sticks; a sticking one that
 the cone slides; a sliding one that pulls opens, that slips the other way sticks. Where this
 cycles, Lemke's pivoting method (lemke.py) finds the modes.
 
-Rows may depend on each other (two sticking contacts of one rigid link): elimination.py. If all of a
-robot's joints are at their stops, that holds for contacts of different links as well, and the split
-of impulses that the elimination finds may break a cone where another does not. Then Lemke's own
-split is kept, and only corrected for its rounding.
+Rows may depend on each other, such as those of two sticking contacts of one rigid link
+(elimination.py). If all of a robot's joints are at their stops, this holds for contacts of
+different links as well, and the split of impulses that the elimination finds may leave a cone where
+another split does not. Then the split of Lemke's method is kept, and only corrected for rounding.
 """
 
 from typing import Annotated, Protocol
@@ -30,20 +30,20 @@ from physics.robots.lcp.elimination import factor, substitute
 from physics.robots.lcp.lemke import lemke_modes
 
 UNSETTLED = -1
-"""What the rounds answer where they know no better mode."""
+"""The result of `_next_mode` where there is a contradiction but no better mode."""
 ROUNDS = 16
 """Guesses before Lemke's method takes over."""
 ATTEMPTS = 8
-"""Of Lemke's method: of 60,000 problems that took it, 43 took a second, 3 a third."""
+"""Paths of Lemke's method: of 60,000 problems that needed it, 43 needed a second, 3 a third."""
 TOLERANCE = 1e-12
 """Contradictions below this, in units of the largest free velocity or 1, are rounding."""
 LOOSER = 100.0
-"""Times the tolerance, where no path agrees with it: rounding grows with constraints that depend on
+"""Factor of the tolerance where no path meets it: rounding grows with constraints that depend on
 each other, and this is still a hundredth of what residual.py accepts."""
 
 
 class Complementarity(Protocol):
-    """The problem of `count` constraints out of at most k, its solution, and scratch."""
+    """The problem of `count` constraints, at most k, its solution, and scratch."""
 
     count: int
     W: Annotated[Floats, "2 * k", "2 * k"]
@@ -106,7 +106,7 @@ def _factor_active(problem: Complementarity) -> None:
 
 @compiled
 def solve_active(problem: Complementarity, right: Floats, unknown: Floats) -> None:
-    """Solve the active system for right sides [unknowns, any], which are used up."""
+    """Solve the active system for right sides [unknowns, any], which are overwritten."""
     substitute(
         problem.G,
         problem.row_order,
@@ -120,7 +120,7 @@ def solve_active(problem: Complementarity, right: Floats, unknown: Floats) -> No
 
 @compiled
 def _solve_modes(problem: Complementarity) -> None:
-    """Fill impulse and velocity as the modes have them, right or wrong."""
+    """Fill impulse and velocity for the modes, right or wrong."""
     _list_unknowns(problem)
     _factor_active(problem)
     for a in range(problem.unknowns):
@@ -150,9 +150,9 @@ def _fill_velocity(problem: Complementarity) -> None:
 
 @compiled
 def _after_sticking(pn: float, pt: float, vt: float, friction: float, tolerance: float) -> int:
-    """Where a sticking contact goes: sliding if it pulls, leaves the cone, or slips after all.
+    """The next mode of a sticking contact: sliding if it pulls, leaves the cone, or slips.
 
-    The last happens to a contact whose row depends on others: they, not it, hold still.
+    It can slip if its row depends on other rows, since only those are then kept at rest.
     """
     if pn < -tolerance or abs(pt) > friction * pn + tolerance:
         return SLIDE_BACK if pt > 0.0 else SLIDE_AHEAD
@@ -163,7 +163,7 @@ def _after_sticking(pn: float, pt: float, vt: float, friction: float, tolerance:
 
 @compiled
 def _after_sliding(pn: float, vt: float, mode: int, tolerance: float) -> int:
-    """Where a sliding contact goes: it opens if it pulls, sticks if it slips the other way."""
+    """The next mode of a sliding contact: open if it pulls, sticking if it slips the other way."""
     if pn < -tolerance:
         return OPEN
     forward = vt if mode == SLIDE_AHEAD else -vt
@@ -172,13 +172,13 @@ def _after_sliding(pn: float, vt: float, mode: int, tolerance: float) -> int:
 
 @compiled
 def _next_mode(problem: Complementarity, k: int, tolerance: float) -> int:
-    """The mode that the solution asks of constraint k: its own, if there is no contradiction."""
+    """The mode of constraint k that fits the solution: its own, if there is no contradiction."""
     mode, friction = problem.mode[k], problem.friction[k]
     pn, pt = problem.impulse[2 * k], problem.impulse[2 * k + 1]
     vn, vt = problem.velocity[2 * k], problem.velocity[2 * k + 1]
     if mode == OPEN:
         return STICK if vn < -tolerance else OPEN
-    if abs(vn) > tolerance:  # its row depends on others, which part it or press it down
+    if abs(vn) > tolerance:  # its row depends on others, which separate it or press it down
         return OPEN if vn > 0.0 else UNSETTLED
     if friction == 0.0:
         return OPEN if pn < -tolerance else STICK
@@ -189,7 +189,7 @@ def _next_mode(problem: Complementarity, k: int, tolerance: float) -> int:
 
 @compiled
 def _settle(problem: Complementarity, tolerance: float) -> bool:
-    """Solve and change modes until they agree; False if they cycle or know no better."""
+    """Solve and change modes until they agree; False if they cycle or there is no better mode."""
     for _ in range(ROUNDS):
         _solve_modes(problem)
         changes, is_lost = 0, False
@@ -209,7 +209,7 @@ def _settle(problem: Complementarity, tolerance: float) -> bool:
 
 @compiled
 def _correct(problem: Complementarity, tolerance: float) -> bool:
-    """Whether the modes agree with the impulses at hand, which are corrected by what they lack.
+    """Correct the current impulses, and return whether the modes agree with them.
 
     The correction is of the size of rounding: where impulses can be split in many ways, the split
     remains.
@@ -248,7 +248,7 @@ def _follow_lemke(problem: Complementarity, attempt: int) -> None:
 
 @compiled
 def _search(problem: Complementarity, tolerance: float) -> None:
-    """Find the modes where guessing does not."""
+    """Find the modes by Lemke's method, where guessing fails."""
     for attempt in range(ATTEMPTS):
         _follow_lemke(problem, attempt)
         if _settle(problem, tolerance):
@@ -262,7 +262,7 @@ def _search(problem: Complementarity, tolerance: float) -> None:
 
 @compiled
 def solve(problem: Complementarity) -> None:
-    """Find modes, impulses and velocities; modes come guessed."""
+    """Find modes, impulses and velocities; `mode` holds a guess on entry."""
     largest = 1.0
     for r in range(2 * problem.count):
         largest = max(largest, abs(problem.free[r]))

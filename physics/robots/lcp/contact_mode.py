@@ -1,4 +1,4 @@
-"""The four modes in which a constraint can be, and what each leaves of it.
+"""The four modes of a constraint, and what holds in each.
 
     OPEN         no impulse; it does not close
     STICK        no normal velocity and, with friction, no slip; the impulse is inside the cone

@@ -2,10 +2,10 @@
 
     G[rows][:, columns] = L U        L unit lower triangular, U upper, both stored in the place of G
 
-Contacts of one rigid link can repeat each other: two sticking, or three normals. The system then
-lacks rank, some split of impulses among them is as good as any other, and the unknowns that no
-pivot is left for are set to 0. Complete pivoting, because with partial pivoting a small pivot in
-the wrong column passes for rank (found as Jacobians wrong by 14 %).
+Contacts of one rigid link can depend on each other: two sticking ones, or three normals. The system
+then lacks full rank, any split of impulses among them is as good as any other, and the unknowns
+without a pivot are set to 0. Pivoting is complete, because with partial pivoting a small pivot in
+the wrong column counts towards the rank (found as Jacobians wrong by 14 %).
 
 Golub and Van Loan, Matrix Computations (2013), section 3.4.
 """
@@ -14,7 +14,7 @@ from physics.kernels.compiled import compiled
 from physics.record import Floats, Integers
 
 RANK_TOLERANCE = 1e-12
-"""Smaller fractions of the first pivot are 0: dependent rows leave 1e-16, others 1e-5."""
+"""Smaller fractions of the first pivot count as 0: dependent rows leave 1e-16, others 1e-5."""
 
 
 @compiled
@@ -60,7 +60,7 @@ def factor(G: Floats, rows: Integers, columns: Integers, size: int) -> int:
 def substitute(
     G: Floats, rows: Integers, columns: Integers, rank: int, size: int, B: Floats, X: Floats
 ) -> None:
-    """Solve `G X = B` for B [>= size, any] with the factor of G; B is used up."""
+    """Solve `G X = B` for B [>= size, any] with the factor of G; B is overwritten."""
     for s in range(rank):
         for i in range(s):
             for j in range(B.shape[1]):

@@ -1,4 +1,4 @@
-"""Lemke's pivoting method for contacts with friction: slow, but it finds its way.
+"""Lemke's pivoting method for contacts with friction: slow, but reliable.
 
 The linear complementarity problem `0 <= z  complementary to  w = A z + b >= 0` of Stewart and
 Trinkle (1996, their matrix is copositive, so the method ends with a solution): for each
@@ -10,10 +10,10 @@ for one without, `z = pn`, `w = vn`. An artificial variable z0 enters every row 
 pivots follow the complementary path until it leaves (Cottle, Pang and Stone, The Linear
 Complementarity Problem, 1992, section 4.4), with lexicographic ratios, which exclude cycles.
 
-In exact arithmetic every path ends at a solution. Contacts of one link, though, have nearly equal
-rows, and a path through their differences loses its digits. Weights that all differ keep most
-paths out of there (of the problems that come here 2.4 % ended on a ray with equal weights, less
-than 0.1 % need another path with these), and other weights lead along another path: `attempt`.
+In exact arithmetic every path ends at a solution. However, contacts of one link have nearly equal
+rows, and a path through their differences loses precision. Weights that all differ avoid this on
+most paths: of the problems that reach this method, 2.4 % ended on a ray with equal weights, and
+less than 0.1 % need another path with these. Other weights, by `attempt`, give another path.
 """
 
 import numpy as np
@@ -24,7 +24,7 @@ from physics.robots.lcp.contact_mode import OPEN, SLIDE_AHEAD, SLIDE_BACK, STICK
 
 GOLDEN_RATIO = 0.6180339887498949
 SMALLEST_PIVOT = 1e-9
-"""Smaller ones are what rounding leaves of rows that depend on each other."""
+"""Smaller pivots are rounding errors of rows that depend on each other."""
 TIE = 1e-13
 """Ratios closer than this are told apart by the next column."""
 
@@ -119,13 +119,13 @@ def _pivot(tableau: Floats, row: int, entering: int) -> None:
 
 @compiled
 def _weight(i: int, attempt: int) -> float:
-    """Of z0 in row i, from 1 to 1.4, equal for no two rows."""
+    """The weight of z0 in row i, from 1 to 1.4, different for every row."""
     return 1.0 + 0.4 * (((i + 1) * (attempt + 1) * GOLDEN_RATIO) % 1.0)
 
 
 @compiled
 def _first_row(A: Floats, attempt: int) -> int:
-    """Where z0 enters the basis: the row that asks for most of it."""
+    """The row where z0 enters the basis: the one that requires the largest z0."""
     size = A.shape[0]
     first, least = 0, np.inf
     for i in range(size):
@@ -178,7 +178,7 @@ def lemke_modes(
     mode: Integers,
     impulse: Floats,
 ) -> None:
-    """Fill `mode` [count] and `impulse` [2 count] with what the path of this attempt ends with."""
+    """Fill `mode` [count] and `impulse` [2 count] with the end of this attempt's path."""
     first = np.zeros(count + 1, np.int64)
     A = _problem(W, free, friction, count, first)
     size = A.shape[0]

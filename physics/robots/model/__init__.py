@@ -1,1 +1,1 @@
-"""What a robot is: its description, and the arrays that kernels read of it."""
+"""The model of a robot: its description, and the arrays that kernels read."""

@@ -1,4 +1,4 @@
-"""A planar robot as data: links in a tree, the capsules they are made of, joints and motors.
+"""A planar robot as data: links in a tree, with their capsules, joints and motors.
 
 Frames: x forward, z up; a link turned by `theta` carries its own vector `p` to the world as
 `R(theta) p` with `R = [[cos, sin], [-sin, cos]]` (MuJoCo's hinge about +y: positive pitches the
@@ -23,7 +23,7 @@ class Capsule:
     """A solid capsule: centre in the link's frame, half length of its axis, radius (m).
 
     `angle` (rad) turns the axis from +z: it points along `(sin angle, cos angle)`. `friction` is
-    that of its contacts, the robot's if not given.
+    that of its contacts; the robot's if None.
     """
 
     name: str
@@ -83,7 +83,7 @@ class Joint:
 
 @dataclass(frozen=True)
 class Link:
-    """A rigid body: where its joint sits in the parent's frame, and what it is made of."""
+    """A rigid body: the place of its joint in the parent's frame, and its capsules."""
 
     name: str
     parent: str | None
@@ -94,9 +94,9 @@ class Link:
 
 @dataclass(frozen=True)
 class Robot:
-    """Links, parents before children, the floating root first; all joints but the root's driven.
+    """Links, parents before children, the floating root first; every joint has a motor.
 
-    `friction` is that of the capsules that have none of their own.
+    `friction` applies to the capsules without their own.
     """
 
     links: tuple[Link, ...]

@@ -1,4 +1,4 @@
-"""Description check: what of a robot's description cannot be, all mistakes at once."""
+"""Description check: finds all mistakes in a robot's description at once."""
 
 from collections.abc import Iterator
 
@@ -6,7 +6,7 @@ from physics.robots.model.description import Link, Robot
 
 
 def mistakes(robot: Robot) -> list[str]:
-    """Everything that keeps a robot from being simulated."""
+    """All mistakes that prevent the simulation of a robot."""
     found = [mistake for link in robot.links for mistake in _in_link(link)]
     found += _in_tree(robot)
     if not robot.total_mass > 0.0:
@@ -17,7 +17,7 @@ def mistakes(robot: Robot) -> list[str]:
 
 
 def _in_tree(robot: Robot) -> Iterator[str]:
-    """Mistakes in how the links hang together."""
+    """Mistakes in the tree of links."""
     if not robot.links or robot.links[0].parent is not None:
         yield "the first link must be the root, whose parent is None"
     known: set[str] = set()
@@ -33,7 +33,7 @@ def _in_tree(robot: Robot) -> Iterator[str]:
 def _in_link(link: Link) -> Iterator[str]:
     """Mistakes in one link."""
     if not link.capsules:
-        yield f"{link.name!r} has no capsule, hence no mass"
+        yield f"{link.name!r} has no capsule, so it has no mass"
     for capsule in link.capsules:
         if not (capsule.radius > 0.0 and capsule.half_length >= 0.0):
             yield f"the capsule {capsule.name!r} needs a radius above 0 and no negative length"

@@ -3,8 +3,8 @@
 The kernels work in absolute link angles, degrees of freedom `(x, z, theta_0, theta_1, ...)`, in
 which the mass matrix consists of dot products of constant vectors that only turn:
 
-    moment_j   first moment of mass about joint j of link j and of all that hangs on it, each
-               child's mass put at its joint (in link j's frame, kg m)
+    moment_j   first moment of mass about joint j of link j and of all links beyond it, with each
+               child's mass placed at its joint (in link j's frame, kg m)
     inertia_j  second moment about joint j of the same masses (kg m^2)
     arm_j      place of joint j in its parent's frame (m)
 """
@@ -19,13 +19,13 @@ from physics.robots.model.spheres import touching
 
 
 class Mechanism(Protocol):
-    """A robot as the kernels see it; n degrees of freedom, m motors, c spheres, l stops.
+    """A robot as kernels read it; n degrees of freedom, m motors, c spheres, l stops.
 
     Arrays of length n are indexed by degree of freedom: 0 and 1 are x and z, 2 the root's angle.
     """
 
     parent: Annotated[Integers, "n"]
-    """The degree of freedom this one hangs on; -1 for x."""
+    """The parent degree of freedom; -1 for x."""
     arm: Annotated[Floats, "n", "2"]
     moment: Annotated[Floats, "n", "2"]
     inertia: Annotated[Floats, "n"]
@@ -55,7 +55,7 @@ class Mechanism(Protocol):
 
 
 def sizes(robot: Robot) -> dict[str, int]:
-    """What the letters in the shapes of layouts stand for."""
+    """The sizes that the letters in the shapes of layouts stand for."""
     joints = sum(link.joint is not None for link in robot.links)
     spheres = len(touching(robot))
     return {

@@ -1,8 +1,8 @@
 """The physical parameters of a robot, and its mechanism with other values of them.
 
-All links keep their shapes. The mass is that of the whole robot, shared as in its description; a
-factor scales the friction of every contact, which may differ from one to another, and one scales
-the gear of every motor.
+All links keep their shapes. The mass is that of the whole robot, distributed as in its description.
+One factor scales the friction of every contact, which may differ between contacts, and another
+scales the gear of every motor.
 """
 
 from collections.abc import Mapping
@@ -15,7 +15,7 @@ from physics.robots.model.mechanism import build
 
 
 def parameters_of(robot: Robot) -> tuple[Parameter, ...]:
-    """What may be changed of a robot."""
+    """The parameters of a robot that may be changed."""
     return (
         Parameter(robot.gravity, "m/s^2", 0.0, 100.0, "gravity", "gravity"),
         Parameter(robot.total_mass, "kg", 0.1, 1e3, "mass of the robot", "mass"),

@@ -28,15 +28,15 @@ def end_spheres(robot: Robot) -> list[Sphere]:
 def touching(robot: Robot) -> list[Sphere]:
     """The end spheres that can touch the ground.
 
-    One around a joint, within a capsule of the link across it, cannot be the first to: that capsule
-    reaches as low in any pose. Where two links end in the same sphere, the parent's touches. Left
-    in, such spheres would only make impulses ambiguous.
+    A sphere around a joint, inside a capsule of the link across the joint, cannot touch first: that
+    capsule reaches as low in any pose. Where two links end in the same sphere, only the parent's is
+    kept. The omitted spheres would only make impulses ambiguous.
     """
     return [sphere for sphere in end_spheres(robot) if not _is_covered(robot, sphere)]
 
 
 def _is_covered(robot: Robot, sphere: Sphere) -> bool:
-    """Whether a capsule across a joint holds the sphere in any pose."""
+    """Whether a capsule across a joint contains the sphere in any pose."""
     here = robot.links[sphere.link - 2]
     room = [
         _room(there, (0.0, 0.0), sphere) - SAME_PLACE
@@ -51,7 +51,7 @@ def _is_covered(robot: Robot, sphere: Sphere) -> bool:
 
 
 def _room(link: Link, point: Vector, sphere: Sphere) -> float:
-    """How far inside a link's capsules the sphere is, if around a point of the link's frame (m)."""
+    """The depth inside a link's capsules of the sphere, if at a point of the link's frame (m)."""
     return max(
         capsule.radius - sphere.capsule.radius - capsule.distance(point)
         for capsule in link.capsules

@@ -112,7 +112,7 @@ def test_a_header_says_the_features_of_every_task(environment: str) -> None:
 def test_features_of_another_kind_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     task = physics.make("Pendulum")
     monkeypatch.setattr(type(task), "features", lambda self, states: np.zeros((len(states), 3)))
-    with pytest.raises(ValueError, match="policy of Pendulum cannot leave training"):
+    with pytest.raises(ValueError, match="policy of Pendulum cannot be exported"):
         policy_of(untrained(task), task, {})
 
 

@@ -88,18 +88,18 @@ def test_what_is_wrong_is_said(
     change(arrays)
     path = tmp_path / "changed.npz"
     np.savez(path, **arrays)
-    with pytest.raises(ValueError, match=rf"changed.npz is no policy: .*{reason}"):
+    with pytest.raises(ValueError, match=rf"changed.npz is not a policy: .*{reason}"):
         algorithms.load_policy(path)
 
 
 def test_what_is_no_archive_or_pickled_is_refused(policy: TrainedPolicy, tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="it is not a whole NumPy archive"):
+    with pytest.raises(ValueError, match="it is not a complete NumPy archive"):
         algorithms.load_policy(policy_bytes(policy)[:-40])
-    with pytest.raises(ValueError, match="it is not a whole NumPy archive"):
+    with pytest.raises(ValueError, match="it is not a complete NumPy archive"):
         algorithms.load_policy(b"")
     path = tmp_path / "pickled.npz"
     np.savez(path, header=np.array({"a": 1}, object))
-    with pytest.raises(ValueError, match="it is not a whole NumPy archive"):
+    with pytest.raises(ValueError, match="it is not a complete NumPy archive"):
         algorithms.load_policy(path)
     with pytest.raises(FileNotFoundError):
         algorithms.load_policy(tmp_path / "nowhere.npz")

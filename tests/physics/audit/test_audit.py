@@ -154,7 +154,7 @@ def test_a_regime_without_a_name_is_a_failure() -> None:
         regimes = ("everywhere",)
 
     assert (
-        "NOT PASSED: Plain: `pieces` tells of the regimes [1], but `regimes` has names for 0 to 0"
+        "NOT PASSED: Plain: `pieces` returns the regimes [1], but `regimes` has names for 0 to 0"
         in notes(Nameless(), [])
     )
 

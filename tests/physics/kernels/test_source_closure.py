@@ -54,10 +54,10 @@ def test_packages_and_relative_imports_are_followed(project: Path, statement: st
 @pytest.mark.parametrize(
     ("statement", "message"),
     [
-        ("import package.gone", "imports package.gone, which is no file of its project"),
-        ("from package.gone import x", "imports package.gone, which is no file of its project"),
-        ("from .gone import x", "imports package.gone, which is no file of its project"),
-        ("from package.lazy import late", "imports late from package.lazy, and no file says"),
+        ("import package.gone", "imports package.gone, which is not a file of its project"),
+        ("from package.gone import x", "imports package.gone, which is not a file of its project"),
+        ("from .gone import x", "imports package.gone, which is not a file of its project"),
+        ("from package.lazy import late", "imports late from package.lazy, but no file defines"),
     ],
 )
 def test_an_own_import_that_names_no_file_is_an_error(

@@ -134,14 +134,14 @@ def test_a_missing_file_is_told_with_the_folder_it_is_sought_from() -> None:
 @pytest.mark.parametrize(
     ("changes", "complaint"),
     [
-        ({"reward": lambda s, a, n: n}, r"^Arm is no task yet:\n- reward must .* \[\] .* \[7\]"),
-        ({"reward": lambda s, a, n: n[9]}, r"^Arm is no task yet:\n- reward raised IndexError"),
+        ({"reward": lambda s, a, n: n}, r"^Arm is not a valid task:\n- reward .* \[\] .* \[7\]"),
+        ({"reward": lambda s, a, n: n[9]}, r"^Arm is not a valid task:\n- reward raised Index"),
         ({"reward": lambda s, a: s[0]}, r"- reward raised TypeError"),
         ({"reward": nearness_in_numpy}, r"reward raised TypeError: (.|\n)*by written_in='numpy'"),
         ({"terminated": lambda n: n[0]}, "- terminated must .* not .* of torch.float64"),
         (
             {"written_in": "numpy", "reward": lambda s, a, n: n},
-            r"^Arm is no task yet:\n- reward must return a number, not an array \[7\] of float64",
+            r"^Arm is not a valid task:\n- reward must return a number, not an array \[7\] of",
         ),
         (
             {"written_in": "numpy", "reward": nearness_in_numpy, "terminated": lambda n: n[0]},
@@ -154,7 +154,7 @@ def test_a_missing_file_is_told_with_the_folder_it_is_sought_from() -> None:
         ({"plane": "zx"}, "^Arm: plane must be one of 'xz', 'xy', 'yz', not 'zx'"),
         ({"difference": 0.0}, "^Arm: difference must be a number above 0, not 0.0"),
         ({"measure": lambda m, d: 1.0}, r"^Arm: measure must return float64 \[k\], not float 1.0"),
-        ({"horizon": 0}, "^Arm is no task yet:\n- horizon must be an integer from 1 on, not 0"),
+        ({"horizon": 0}, "^Arm is not a valid task:\n- horizon must be an integer from 1 on"),
     ],
 )  # fmt: skip
 def test_a_mistake_names_task_and_function(changes: dict[str, Any], complaint: str) -> None:

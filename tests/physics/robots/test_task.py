@@ -15,7 +15,7 @@ def declared(**attributes: Any) -> type:
 
 
 def test_all_mistakes_of_a_declaration_are_told() -> None:
-    with pytest.raises(ValueError, match="Wrong is no robot's task yet") as caught:
+    with pytest.raises(ValueError, match="Wrong is not a valid robot's task") as caught:
         declared(substeps=2.5, substep_seconds=1, end=3)
     for complaint in (
         "robot must be of type Robot, not None",
@@ -31,7 +31,7 @@ def test_a_robot_that_cannot_be_is_refused_with_its_mistakes() -> None:
     torso, thigh, shin, *_ = ROBOT.links
     bent = replace(shin, joint=Joint(1.0, -1.0, 0.0, 0.0, 0.0, 1.0, axis=2.0))
     robot = replace(ROBOT, links=(torso, bent, thigh), total_mass=0.0)
-    with pytest.raises(ValueError, match="Wrong is no robot's task yet") as caught:
+    with pytest.raises(ValueError, match="Wrong is not a valid robot's task") as caught:
         declared(robot=robot, substeps=1, substep_seconds=0.01, reward=HalfCheetah.reward)
     for complaint in (
         "the stops of 'bshin' must be lower < upper",
