@@ -2,9 +2,9 @@
 
 One iteration, of every plan that has not converged yet:
 
-    expansion   dynamics to first order, cost to second, around the plan     (ilqr_expansion)
-    backward    a better action at every step, and its feedback              (ilqr_backward, box_qp)
-    search      how far to follow it, tried in parallel                      (ilqr_search)
+    expansion   dynamics to first order, cost to second, around the plan     (expansion)
+    backward    a better action at every step, and its feedback              (backward, box_qp)
+    search      how far to follow it, tried in parallel                      (search)
 
 A plan has converged when the backward pass hardly changes any action (mean `|d| / (|a| + 1)` below
 1e-4 while lambda is below 1e-5), when an iteration gained less than 1e-7, or when no regularisation
