@@ -8,8 +8,9 @@ Glossary:
     cost   factor of the control cost
 
 A step's reward has no bound here, so `max_reward` is a reference value, not a bound: Gymnasium's
-threshold for Swimmer (a return of 360 in 1,000 steps) and, rounded up, for Hopper (3,800, likewise),
-the constant of the project's own HalfCheetah, and an estimate for Walker2d, which has no threshold.
+threshold for Swimmer (a return of 360 in 1,000 steps) and, rounded up, for Hopper (a return of
+3,800), the constant of the project's own HalfCheetah, and an estimate for Walker2d, which has no
+threshold.
 
 Hopper and Walker2d end where they are no longer healthy, and networks see their speeds clipped to
 10, as in Gymnasium. Actions are in the box, as these models' controls are.
