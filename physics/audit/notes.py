@@ -78,5 +78,5 @@ def _unknown(environment: Environment, states: FloatArray) -> Iterator[str]:
         ranges = ", ".join(f"from {low:.3g} to {high:.3g} in s[{i}]" for i, (low, high) in limits)
         yield (
             f"NOTE: {environment.label} declares no kink but the clip of its actions. Whether "
-            f"there are others that no state came near cannot be known. The states ranged {ranges}."
+            f"there are others that no state came near cannot be known. The states went {ranges}."
         )

@@ -198,7 +198,7 @@ def test_bad_input_is_refused(
         (np.zeros((BATCH, n + 1)), actions, rf"not float64 \[64, {n + 1}\]"),
         (states, np.zeros((BATCH, environment.action_size + 1)), "actions must be float64"),
         (states, actions.astype(np.int64), "actions must be float64 .* not int64"),
-        (states, actions[:5], "as many rows, not 64 and 5"),
+        (states, actions[:5], "the same number of rows, not 64 and 5"),
         (not_a_number, actions, "must be finite, but row 3 has"),
         (states, infinite, "must be finite, but row 9 has"),
         (states, -infinite, "must be finite, but row 9 has"),

@@ -89,7 +89,7 @@ def test_bad_coordinates_are_refused() -> None:
         ENVIRONMENT.mass_matrix(np.zeros((2, 14)))
     with pytest.raises(ValueError, match=r"v must be float64 \[batch, 7\]"):
         ENVIRONMENT.smooth_forces(q, np.zeros((2, 6)), a)
-    with pytest.raises(ValueError, match="as many rows, not 2 and 1"):
+    with pytest.raises(ValueError, match="equal numbers of rows, not 2 and 1"):
         ENVIRONMENT.smooth_forces(q, np.zeros((1, 7)), a)
     with pytest.raises(ValueError, match="must be finite"):
         ENVIRONMENT.smooth_forces(q, np.full((2, 7), np.nan), a)
