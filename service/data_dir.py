@@ -60,9 +60,10 @@ def make_private(data_dir: Path) -> None:
     """
     try:
         data_dir.mkdir(mode=0o700, parents=True, exist_ok=True)
-        if data_dir.stat().st_mode & OTHERS:
-            _refuse_foreign(data_dir)
-            close(data_dir)
+        mode = data_dir.stat().st_mode
+        if mode & OTHERS:
+            _refuse_foreign(data_dir, is_shared=bool(mode & stat.S_ISVTX))
+            data_dir.chmod(mode & 0o777 & ~OTHERS)
             log.warning("Other users could enter %s; now they cannot.", data_dir)
         if not os.access(data_dir, os.W_OK | os.X_OK):
             raise PermissionError(13, "it cannot be written")
@@ -77,20 +78,11 @@ def make_private(data_dir: Path) -> None:
         ) from error
 
 
-def _refuse_foreign(data_dir: Path) -> None:
+def _refuse_foreign(data_dir: Path, *, is_shared: bool) -> None:
     """Raise DataDirError where a directory that others can enter is not a service's."""
     names = {path.name for path in data_dir.iterdir()} - {"lost+found"}
-    is_shared = data_dir.stat().st_mode & stat.S_ISVTX
     if is_shared or (names and not names & OWN):
         raise DataDirError(
             f"other users can enter {data_dir}, and it has files that are not a service's: choose "
-            f"a new or empty directory with D3PG_DATA_DIR (--data-dir)"
+            "a new or empty directory with D3PG_DATA_DIR (--data-dir)"
         )
-
-
-def close(path: Path) -> bool:
-    """Take from other users what they may do with a file or directory; whether there was any."""
-    mode = path.stat().st_mode & 0o777
-    if mode & OTHERS:
-        path.chmod(mode & ~OTHERS)
-    return bool(mode & OTHERS)
