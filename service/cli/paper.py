@@ -23,15 +23,20 @@ from service.cli.following import follow
 from service.cli.host.own_service import data_dir, own_service
 from service.cli.terminal import AsJson, console, errors, say
 from service.client import Client, ServiceError, SubmissionNotice
-from service.paper import preset_file, results, tuning, tuning_file
+from service.paper import results
 from service.paper.evaluation import SEEDS, evaluation
 from service.paper.former import Former, former, whole_sweeps
+from service.paper.search import preset_file, tuning, tuning_file
+from service.paper.search.tuning import Outcome
 from service.paper.summary import summarized
-from service.paper.tuning import Outcome
 
 app = typer.Typer(name="paper")
 
 Output = Annotated[Path, typer.Option("--output", "-o", help="Folder of the results.")]
+AnyCode = Annotated[
+    bool,
+    typer.Option("--any-code", help="Also keep complete sweeps that another code trained."),
+]
 
 
 @app.callback(invoke_without_command=True)
@@ -42,19 +47,22 @@ def run(
         float, typer.Option(min=0.001, max=1, help="Share of the timesteps, for a quick look.")
     ] = 1.0,
     output: Output = Path("results"),
+    any_code: AnyCode = False,
     as_json: AsJson = False,
 ) -> None:
     """Run the whole evaluation, or go on with it, and write its results.
 
     Uses the service that answers at D3PG_URL, else starts one in D3PG_DATA_DIR. After an
     interruption, call it again with the same seeds and scale: it goes on from the last checkpoints.
-    A new service does not train sweeps that are complete in the folder and trained by this code.
+    A new service does not train sweeps that are complete in the folder: all runs ended, and this
+    code trained them with the present settings. Keeping those of another code is right only if its
+    changes leave their results as they are; provenance.json says which code trained what.
     """
     if context.invoked_subcommand is not None:
         return
     told = console_of(as_json)
     with any_service(told) as client:
-        requests, kept = wanted(client, evaluation(seeds, scale), output, told)
+        requests, kept = wanted(client, evaluation(seeds, scale), output, told, any_code=any_code)
         sweeps = [submitted(client, request) for request in requests]
         for sweep in sweeps:
             say(f"{sweep.name}:  {client.url}/sweeps/{sweep.id}?figures=1", told)
@@ -72,12 +80,13 @@ def write_results(
         float, typer.Option(min=0.001, max=1, help="Share of the timesteps in the evaluation.")
     ] = 1.0,
     output: Output = Path("results"),
+    any_code: AnyCode = False,
     as_json: AsJson = False,
 ) -> None:
     """Write what the evaluation has measured so far, without waiting for its end."""
     told = console_of(as_json)
     with any_service(told) as client:
-        requests, kept = wanted(client, evaluation(seeds, scale), output, told)
+        requests, kept = wanted(client, evaluation(seeds, scale), output, told, any_code=any_code)
         write(client, [submitted(client, request) for request in requests], output, kept, as_json)
 
 
@@ -200,14 +209,20 @@ def submitted(client: Client, request: Mapping[str, Any]) -> SweepAnswer:
 
 
 def wanted(
-    client: Client, requests: Sequence[Mapping[str, Any]], output: Path, told: Console
+    client: Client,
+    requests: Sequence[Mapping[str, Any]],
+    output: Path,
+    told: Console,
+    *,
+    any_code: bool,
 ) -> tuple[list[Mapping[str, Any]], Former]:
     """Return the requests for the service, and what the folder has of the other sweeps.
 
     The other sweeps are complete in the folder, and a new service does not have them. Prints which.
     """
     held = [client.sweep(sweep.id).request for sweep in client.sweeps(archived=None)]
-    whole = whole_sweeps(output, [request for request in requests if request not in held])
+    new = [request for request in requests if request not in held]
+    whole = whole_sweeps(output, new, any_code=any_code)
     for request in whole:
         say(f"{request['name']}:  whole in {output}/, not trained again", told)
     return [request for request in requests if request not in whole], former(output, whole)

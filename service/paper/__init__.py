@@ -1,1 +1,1 @@
-"""The paper's evaluation as this system runs it: tuning, sweeps, results."""
+"""The paper's evaluation as this system runs it: sweeps, and results as files."""

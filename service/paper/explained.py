@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from service.paper import markdown
 from service.paper.evaluation import MORE_TASKS, TASKS
 from service.paper.measured import lines
 
@@ -19,6 +20,7 @@ HORIZON, NOISE = 8, 0.2
 GROWTH = 32
 CUT = 64
 OF_TASK = "ddpg"
+COLUMNS = ("task", "bias / norm", "exact / zeroth std", "growth", "top 1 % of the loss")
 LEARNERS = ("ddpg", "hybrid-ddpg-robust", "hybrid-ddpg", "hybrid-ddpg-cosine")
 
 Cells = Mapping[tuple[str, str], Mapping[tuple[str, str, str, str], float]]
@@ -31,14 +33,10 @@ def explained(folder: Path) -> Iterator[str]:
         return
     cells = _read(folder / FILE)
     yield "## Where gradients can help\n"
-    yield (
-        "| task | bias / norm | exact / zeroth std | growth | top 1 % of the loss | "
-        f"{' | '.join(f'cosine, {learner}' for learner in LEARNERS)} |"
-    )
-    yield "|---" * (5 + len(LEARNERS)) + "|"
+    yield from markdown.head(*COLUMNS, *(f"cosine, {learner}" for learner in LEARNERS))
     for task in (*TASKS, *MORE_TASKS):
         if (task, OF_TASK) in cells:
-            yield f"| {task} | {' | '.join(_numbers(cells, task))} |"
+            yield markdown.line([task, *_numbers(cells, task)])
 
 
 def _numbers(cells: Cells, task: str) -> Iterator[str]:
@@ -66,8 +64,8 @@ def _shown(number: float) -> str:
 
 def _read(file: Path) -> Cells:
     cells: dict[tuple[str, str], dict[tuple[str, str, str, str], float]] = {}
-    for line in lines(file):
-        name = (line["diagnostic"], line["quantity"], line["horizon"], line["noise"])
-        cell = cells.setdefault((line["environment"], line["label"]), {})
-        cell[name] = float(line["value"] or "nan")
+    for row in lines(file):
+        name = (row["diagnostic"], row["quantity"], row["horizon"], row["noise"])
+        cell = cells.setdefault((row["environment"], row["label"]), {})
+        cell[name] = float(row["value"] or "nan")
     return cells

@@ -13,12 +13,13 @@ import numpy as np
 from service.analysis.comparison import grouped
 from service.analysis.statistics.sample import sample
 from service.analysis.statistics.score import area, final_score
-from service.paper import tuning_file
+from service.paper import markdown
 from service.paper.differences import Gain, gains
 from service.paper.evaluation import TASKS
 from service.paper.explained import explained
 from service.paper.measured import ENDED, MeasuredRun, Scale, read_runs, read_scales
-from service.paper.searched import searched
+from service.paper.search import tuning_file
+from service.paper.search.searched import searched
 from service.paper.today import told
 
 COST_TEXT = {"timesteps": "equal timesteps", "seconds": "equal processor time"}
@@ -41,10 +42,11 @@ def _of_hybrid(hybrid: str, found: Sequence[Gain]) -> Iterator[str]:
     yield f"## {hybrid} minus its baseline\n"
     for cost, text in COST_TEXT.items():
         yield f"- {text}: {_counted([gain for gain in found if gain.cost == cost])}"
-    yield f"\n| task | {' | '.join(COST_TEXT.values())} |\n|---|---|---|"
+    yield ""
+    yield from markdown.head("task", *COST_TEXT.values())
     for environment, cells in grouped(found, lambda gain: gain.environment).items():
         by_cost = {gain.cost: gain for gain in cells}
-        yield f"| {environment} | {' | '.join(_cell(by_cost[cost]) for cost in COST_TEXT)} |"
+        yield markdown.line([environment, *(_cell(by_cost[cost]) for cost in COST_TEXT)])
     yield ""
 
 
@@ -72,7 +74,7 @@ def _of_robot(runs: Sequence[MeasuredRun], scales: Mapping[str, Scale]) -> Itera
     """Yield the learners on HalfCheetah, the best first."""
     there = [run for run in runs if run.environment == ROBOT and ROBOT in scales]
     yield f"## {ROBOT}, normalised\n"
-    yield "| learner | last tenth | area | runs |\n|---|---|---|---|"
+    yield from markdown.head("learner", "last tenth", "area", "runs")
     rows = [_row(row, own, scales[ROBOT]) for row, own in grouped(there, lambda r: r.row).items()]
     for _, text in sorted(rows, reverse=True):
         yield text
@@ -91,6 +93,6 @@ def _row(row: str, runs: Sequence[MeasuredRun], scale: Scale) -> tuple[float, st
     )
     counted = f"{final.n} of {len(runs)}"
     if not final.n:
-        return -np.inf, f"| {row} | - | - | {counted} |"
+        return -np.inf, markdown.line([row, "-", "-", counted])
     shown = f"{final.mean:.3f} [{final.low:.3f}, {final.high:.3f}]"
-    return final.mean, f"| {row} | {shown} | {under.mean:.3f} | {counted} |"
+    return final.mean, markdown.line([row, shown, f"{under.mean:.3f}", counted])

@@ -19,6 +19,7 @@ from service.analysis.figures import today_figure
 from service.analysis.figures.figure_form import Form
 from service.analysis.overview import Learner, Line, SharedRun, Standing, standings
 from service.analysis.statistics.score import final_score
+from service.paper import markdown
 from service.paper.evaluation import FEWER_SEEDS, MORE_TASKS, TASKS
 from service.paper.measured import EARLY, ENDED, MeasuredRun, Scale
 
@@ -76,20 +77,15 @@ def told(runs: Sequence[MeasuredRun], scales: Mapping[str, Scale]) -> Iterator[s
     """Yield the lines of two tables in Markdown: over all tasks, and the returns in each."""
     asked = learners(runs, scales)
     yield "## The learners of today\n"
-    yield from _head("learner", *OVER_TASKS)
+    yield from markdown.head("learner", *OVER_TASKS)
     for learner, standing in zip(asked, standings(asked), strict=True):
-        yield f"| {' | '.join(_over_tasks(learner, standing))} |"
+        yield markdown.line(_over_tasks(learner, standing))
     shown = [task for task in SHOWN if any(task in learner.runs for learner in asked)]
     yield "\nMean of the last tenth of each learner's timesteps, normalised:\n"
-    yield from _head("learner", *shown)
+    yield from markdown.head("learner", *shown)
     for learner in asked:
         cells = (f"{_last_tenth(learner, t):.2f}" if t in learner.runs else "-" for t in shown)
-        yield f"| {learner.label} | {' | '.join(cells)} |"
-
-
-def _head(*names: str) -> Iterator[str]:
-    yield f"| {' | '.join(names)} |"
-    yield "|---" * len(names) + "|"
+        yield markdown.line([learner.label, *cells])
 
 
 def _over_tasks(learner: Learner, standing: Standing) -> Iterator[str]:

@@ -1,6 +1,6 @@
 """Seeds that choose settings. No question counts them: a setting chosen for its luck would win.
 
-PRESETS   searches and trials that the presets come from (service/paper, results/trials.csv)
+PRESETS   searches and trials that the presets come from (service/paper/search, results/trials.csv)
 SEARCHES  searches of a service (service/model/inquiry/search.py)
 """
 

@@ -8,8 +8,10 @@ from pathlib import Path
 
 import pytest
 
+from algorithms.presets import preset
 from service.client import Client
-from service.paper import evaluation, tuning
+from service.paper import evaluation
+from service.paper.search import tuning
 from service.queue.question_rounds import look_at_all
 from service.store.store import Store
 from tests.service.cli.conftest import Command, as_json
@@ -137,7 +139,10 @@ def test_a_sweep_that_the_folder_has_whole_is_not_trained_by_a_new_service(
     monkeypatch.setattr(evaluation, "SWEEPS", (on_policy, twin))
     store.record_random_return(random_return("CartPole", RANDOM))
     results = tmp_path / "results"
-    learners = [Runs("Pendulum", name, [5.0, 6.0]) for name in ("ppo", "shac")]
+    learners = [
+        Runs("Pendulum", name, [5.0, 6.0], preset(name, "Pendulum").config)
+        for name in ("ppo", "shac")
+    ]
     write_folder(results, [*learners, Runs("CartPole", "ddpg", [1.0])])
     whole, lacking = evaluation.evaluation(2, 0.001)
     write_evidence(results, whole)

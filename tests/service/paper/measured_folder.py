@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from service.paper.evaluation import row
+from service.paper.measured import measurements_file
 from workers.training.fingerprint import code_hash
 
 STEPS = range(800, 8001, 800)
@@ -31,8 +33,7 @@ def write_folder(folder: Path, runs: Sequence[Runs]) -> None:
     ])  # fmt: skip
     write(folder / "scores.csv", [line for each in runs for line in _scores(each)])
     for each in runs:
-        stem = "sac-with-learned-temperature" if each.config else each.algorithm
-        file = folder / "measurements" / each.environment / f"{stem}.csv"
+        file = measurements_file(folder, each.environment, row(each.algorithm, each.config))
         file.parent.mkdir(parents=True, exist_ok=True)
         write(file, [line for seed in range(len(each.heights)) for line in _rows(each, seed)])
 

@@ -9,8 +9,8 @@ from algorithms.presets import preset
 from service.api.schemas.requests.sweep_request import SweepRequest
 from service.api.submission.plan import plan as plan_in
 from service.model.request.plan import Plan
-from service.paper import tuning
 from service.paper.evaluation import COMPARISON, MORE_TASKS, SEEDS, SOFT, TASKS, evaluation, row
+from service.paper.search import tuning
 
 WORKER_MEMORY = 16 * 2**30
 

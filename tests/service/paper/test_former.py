@@ -5,15 +5,20 @@ from typing import Any
 
 import pytest
 
+from algorithms.presets import preset
 from service.paper.evaluation import MORE_SOFT, ON_POLICY, SOFT, evaluation
 from service.paper.former import NOTHING, former, whole_sweeps
 from tests.service.paper.measured_folder import Runs, write_evidence, write_folder
 from workers.training.fingerprint import code_hash
 
 REQUEST = {**ON_POLICY, "seeds": 2}
+LEARNED = [
+    Runs(task, "ppo", [5.0, 6.0], preset("ppo", task).config) for task in ("Pendulum", "CartPole")
+]
 
 
 def test_a_sweep_is_whole_where_all_of_it_ended_by_this_code(tmp_path: Path) -> None:
+    write_folder(tmp_path, LEARNED)
     write_evidence(tmp_path, REQUEST)
     assert whole_sweeps(tmp_path, [SOFT, REQUEST]) == [REQUEST]
 
@@ -21,21 +26,50 @@ def test_a_sweep_is_whole_where_all_of_it_ended_by_this_code(tmp_path: Path) -> 
 @pytest.mark.parametrize(
     "changed",
     [
-        {"runs": {"total": 4, "succeeded": 3, "diverged": 0, "queued": 1}},
-        {"runs": {"total": 4, "succeeded": 3, "diverged": 0, "failed": 1}},
+        {"runs": {"total": 4, "succeeded": 3, "diverged": 0, "failed": 0, "queued": 1}},
+        {"runs": {"total": 4, "succeeded": 3, "diverged": 0, "failed": 0, "cancelled": 1}},
         {"request": {**REQUEST, "seeds": 3}},
         {"fingerprints": [{"code": "of another day"}]},
         {"fingerprints": [{"code": code_hash()}, {"code": "of another day"}]},
     ],
 )
 def test_any_other_is_to_be_trained(tmp_path: Path, changed: dict[str, Any]) -> None:
+    write_folder(tmp_path, LEARNED)
     write_evidence(tmp_path, REQUEST, **changed)
     assert whole_sweeps(tmp_path, [REQUEST]) == []
 
 
-def test_what_diverged_would_again(tmp_path: Path) -> None:
-    write_evidence(tmp_path, REQUEST, runs={"total": 4, "succeeded": 3, "diverged": 1})
+def test_what_diverged_or_failed_has_ended(tmp_path: Path) -> None:
+    write_folder(tmp_path, LEARNED)
+    runs = {"total": 4, "succeeded": 2, "diverged": 1, "failed": 1}
+    write_evidence(tmp_path, REQUEST, runs=runs)
     assert whole_sweeps(tmp_path, [REQUEST]) == [REQUEST]
+
+
+def test_the_place_in_the_queue_does_not_matter(tmp_path: Path) -> None:
+    write_folder(tmp_path, LEARNED)
+    write_evidence(tmp_path, {**REQUEST, "priority": -4})
+    moved = {**REQUEST, "priority": -3}
+    assert whole_sweeps(tmp_path, [moved]) == [moved]
+
+
+def test_a_caller_can_accept_any_code(tmp_path: Path) -> None:
+    write_folder(tmp_path, LEARNED)
+    write_evidence(tmp_path, REQUEST, fingerprints=[{"code": "of another day"}])
+    assert whole_sweeps(tmp_path, [REQUEST]) == []
+    assert whole_sweeps(tmp_path, [REQUEST], any_code=True) == [REQUEST]
+
+
+@pytest.mark.parametrize(
+    "other", [Runs("Pendulum", "ppo", [5.0], {"rate": 0.5}), Runs("Pendulum", "shac", [5.0])]
+)
+def test_runs_with_settings_that_the_presets_no_longer_have_are_to_be_trained(
+    tmp_path: Path, other: Runs
+) -> None:
+    """A change of presets.toml alone: no request and no source changes with it."""
+    write_folder(tmp_path, [*LEARNED, other])
+    write_evidence(tmp_path, REQUEST)
+    assert whole_sweeps(tmp_path, [REQUEST], any_code=True) == []
 
 
 def test_an_empty_folder_has_nothing(tmp_path: Path) -> None:

@@ -1,7 +1,8 @@
 """Seeds that choose settings."""
 
 from service.model.inquiry.tuning_seeds import PRESETS, SEARCHES, chooses, seeds_text
-from service.paper import evaluation, tuning
+from service.paper import evaluation
+from service.paper.search import tuning
 
 
 def test_what_chose_the_presets_is_kept_and_what_is_evaluated_is_not() -> None:

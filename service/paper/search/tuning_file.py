@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
 
-from service.paper.tuning import Outcome
+from service.paper.search.tuning import Outcome
 from workers.messages.run_spec import Weights
 
 FILE = "tuning.csv"

@@ -1,6 +1,6 @@
 """Trials of learners on seeds that no evaluation uses: area under the normalised curve, per seed.
 
-    python -m service.paper.trials --algorithm hybrid-ddpg-robust --weights 1,0.1 --seeds 100-107
+    python -m service.paper.search.trials --algorithm hybrid-td3 --weights 1,0.1 --seeds 100-107
 
 Each cell (task, timesteps, algorithm, weights, settings, seeds) is trained once, at one core, and
 added to `results/trials.csv`, which keeps failures, too; a cell in the file is not trained
@@ -24,7 +24,7 @@ from algorithms.early_end import DivergedError, FailedRunsError
 from algorithms.presets import completed
 from service.model.environment import best_return
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 TRIALS, RANDOM = ROOT / "results/trials.csv", ROOT / "results/random-returns.csv"
 TIMESTEPS = {
     "Pendulum": 20_000,

@@ -7,8 +7,16 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from algorithms import catalogue
-from service.paper import tuning
-from service.paper.tuning import AS_ON, PAIRS, SPACES, TIMESTEPS, Outcome, best
+from service.paper.search import tuning
+from service.paper.search.tuning import (
+    AS_ON,
+    PAIRS,
+    SPACES,
+    TIMESTEPS,
+    Outcome,
+    best,
+    searched_cells,
+)
 
 FILE = Path(catalogue.__file__).with_name("presets.toml")
 HEAD = """\
@@ -54,7 +62,7 @@ def _settings(rows: Sequence[Outcome], name: str) -> Rows:
 
     def area(config: Mapping[str, Any], task: str) -> float:
         settings = {**space.fixed.get(task, {}), **config}
-        return _area(rows, task, space.algorithm, lambda row: row.config == settings)
+        return _area(rows, task, name, lambda row: row.config == settings)
 
     chosen = {task: best(rows, task, name).config for task in tasks}
     return {"other": _least_regret(space.configs, tasks, area), **_with_others(chosen)}
@@ -78,13 +86,9 @@ def _with_others(chosen: Rows) -> Rows:
 
 
 def _area(
-    rows: Iterable[Outcome], task: str, algorithm: str, searched: Callable[[Outcome], bool]
+    rows: Iterable[Outcome], task: str, name: str, is_cell: Callable[[Outcome], bool]
 ) -> float:
-    return max(
-        row.area
-        for row in rows
-        if (row.environment, row.algorithm) == (task, algorithm) and searched(row)
-    )
+    return max(row.area for row in searched_cells(rows, task, name) if is_cell(row))
 
 
 def _least_regret(

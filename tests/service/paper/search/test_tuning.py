@@ -13,12 +13,12 @@ from service.api.schemas.run_answer import WeightsAnswer
 from service.api.submission.plan import plan as plan_in
 from service.model.inquiry.search import Rung
 from service.model.request.plan import Plan
-from service.paper import tuning
-from service.paper.tuning import Outcome, best
+from service.paper.search import tuning
+from service.paper.search.tuning import Outcome, best
 from workers.messages.run_spec import Weights
 
 WORKER_MEMORY = 16 * 2**30
-RESULTS = Path(__file__).parents[3] / "results"
+RESULTS = Path(__file__).parents[4] / "results"
 
 
 def plan(request: SweepRequest) -> Plan:
@@ -49,21 +49,21 @@ def test_every_learner_has_six_cells_a_task() -> None:
 
 
 def test_what_is_known_is_not_run_again() -> None:
+    best, other = tuning.SPACES["sac"].on("Pendulum")[:2]
+
     def outcome(weights: Weights, runs: int) -> Outcome:
-        config = {"temperature": "fixed", "reward_scale": 3.0}
-        return Outcome("Pendulum", "hybrid-sac", weights, config, 0.1, 0.2, runs, "a")
+        return Outcome("Pendulum", "hybrid-sac", weights, best, 0.1, 0.2, runs, "a")
 
     known = [outcome(Weights(1.0, 0.0), 4), outcome(Weights(1.0, 1.0), 3)]
 
-    def wanted(scale: float, known: list[Outcome]) -> dict[str, Any] | None:
-        config = {"temperature": "fixed", "reward_scale": scale}
+    def wanted(config: dict[str, Any], known: list[Outcome]) -> dict[str, Any] | None:
         return tuning.weights_search("Pendulum", "hybrid-sac", config, known)
 
-    for scale in (3.0, 1.0):
-        assert len(plan(requested(wanted(scale, known))).cells) == 6, "a search compares all cells"
+    for config in (best, other):
+        assert len(plan(requested(wanted(config, known))).cells) == 6, "a search compares all cells"
     everything = [outcome(pair, 4) for pair in tuning.PAIRS["hybrid-sac"]]
-    assert wanted(3.0, [*everything[:-1], outcome(tuning.PAIRS["hybrid-sac"][-1], 3)]) is not None
-    assert wanted(3.0, everything) is None
+    assert wanted(best, [*everything[:-1], outcome(tuning.PAIRS["hybrid-sac"][-1], 3)]) is not None
+    assert wanted(best, everything) is None
     assert tuning.is_whole(everything, "Pendulum", "hybrid-sac")
     assert not tuning.is_whole(known, "Pendulum", "hybrid-sac")
 

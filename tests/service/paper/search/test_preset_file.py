@@ -2,6 +2,7 @@
 
 import tomllib
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,12 +10,12 @@ import pytest
 
 from algorithms import catalogue
 from algorithms.presets import CHOSEN, FORMS
-from service.paper import preset_file, tuning, tuning_file
-from service.paper.preset_file import as_toml, lacking, presets_of
-from service.paper.tuning import PAIRS, SEEDS, SPACES, TIMESTEPS, Outcome
+from service.paper.search import preset_file, tuning, tuning_file
+from service.paper.search.preset_file import as_toml, lacking, presets_of
+from service.paper.search.tuning import PAIRS, SEEDS, SPACES, TIMESTEPS, Outcome, space_of
 from workers.messages.run_spec import Weights
 
-RESULTS = Path(__file__).parents[3] / "results"
+RESULTS = Path(__file__).parents[4] / "results"
 
 
 def outcome(task: str, algorithm: str, weights: Weights, config: Any, area: float) -> Outcome:
@@ -30,7 +31,7 @@ def whole_search(areas: Mapping[tuple[str, str, int], float]) -> list[Outcome]:
         for place, cell in enumerate(space.on(task))
     ]
     return rows + [
-        outcome(task, name, pair, {}, areas.get((name, task, place), 0.0))
+        outcome(task, name, pair, space_of(name).on(task)[0], areas.get((name, task, place), 0.0))
         for name, pairs in PAIRS.items()
         for task in TIMESTEPS
         for place, pair in enumerate(pairs)
@@ -51,6 +52,15 @@ def test_the_best_cell_of_each_task_is_chosen() -> None:
     assert chosen["hybrid-ddpg"]["weights"]["Acrobot"] == list(PAIRS["hybrid-ddpg"][3])
     assert chosen["hybrid-ddpg-robust"]["weights"] == {"other": [1.0, 0.1]}
     assert "settings" not in chosen["hybrid-ddpg"]
+
+
+def test_weights_of_an_earlier_space_are_not_chosen() -> None:
+    rows = whole_search({})
+    earlier = outcome("Pendulum", "hybrid-sac", PAIRS["hybrid-sac"][3], {"rate": 0.5}, 0.9)
+    assert presets_of([*rows, earlier]) == presets_of(rows)
+    alone = [row for row in rows if (row.environment, row.algorithm) != ("Pendulum", "hybrid-sac")]
+    missing = [replace(earlier, weights=pair) for pair in PAIRS["hybrid-sac"]]
+    assert lacking([*alone, *missing]) == ["hybrid-sac, Pendulum"]
 
 
 def test_tasks_that_are_not_searched_have_what_was_best_on_another() -> None:

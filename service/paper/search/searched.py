@@ -8,7 +8,8 @@ does for a learner with untuned settings.
 from collections.abc import Iterator, Sequence
 
 from algorithms import catalogue
-from service.paper.tuning import (
+from service.paper import markdown
+from service.paper.search.tuning import (
     EVERY_SECOND,
     PAIRS,
     SEEDS,
@@ -28,7 +29,7 @@ def searched(rows: Sequence[Outcome]) -> Iterator[str]:
     tasks = list(TIMESTEPS)
     yield f"## The search, {len(SEEDS)} seeds a cell\n"
     yield "Area of the best cell:\n"
-    yield from _head("learner", tasks)
+    yield from markdown.head("learner", *tasks)
     searches = set(all_searches())
     for name in (*SPACES, *PAIRS):
         known = ((name, task) in searches and is_whole(rows, task, name) for task in tasks)
@@ -36,11 +37,11 @@ def searched(rows: Sequence[Outcome]) -> Iterator[str]:
             f"{best(rows, task, name).area:.2f}" if there else ""
             for task, there in zip(tasks, known, strict=True)
         ]
-        yield _line(name, areas)
+        yield markdown.line([name, *areas])
     yield "\nHybrid minus baseline at the same setting, mean over the settings (lowest, highest):\n"
-    yield from _head("hybrid", tasks)
+    yield from markdown.head("hybrid", *tasks)
     for hybrid in HYBRIDS:
-        yield _line(hybrid, [_gain(rows, hybrid, task) for task in tasks])
+        yield markdown.line([hybrid, *(_gain(rows, hybrid, task) for task in tasks)])
 
 
 def _gain(rows: Sequence[Outcome], hybrid: str, task: str) -> str:
@@ -69,12 +70,3 @@ def _area(rows: Sequence[Outcome], task: str, algorithm: str, setting: dict[str,
         and row.weights == SPACES[algorithm].weights
     ]
     return area
-
-
-def _head(first: str, tasks: Sequence[str]) -> Iterator[str]:
-    yield _line(first, tasks)
-    yield "|---" * (1 + len(tasks)) + "|"
-
-
-def _line(first: str, cells: Sequence[str]) -> str:
-    return f"| {first} | {' | '.join(cells)} |"

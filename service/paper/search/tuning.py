@@ -49,9 +49,6 @@ AS_ON: Mapping[str, str] = {"Hopper": "HalfCheetah", "Walker2d": "HalfCheetah"}
 """Tasks that are not searched, which would take half of the whole search's time: every learner has
 there what was best on another task."""
 
-SOFT_TASKS = ["CartPole", "CartPoleSwingUp", "Pendulum", "MountainCar", "RollingDie"]
-"""The five tasks of the paper's figure 6 (appendix A.2)."""
-
 
 @dataclass(frozen=True)
 class Space:
@@ -299,17 +296,19 @@ def _searched(environment: str, curve: CurveAnswer) -> dict[str, Any]:
 
 def best(rows: Iterable[Outcome], environment: str, name: str) -> Outcome:
     """The cell of a hybrid or of a space with the largest area; ValueError where there is none."""
-    if name in PAIRS:
-        cells = [row for row in rows if (row.environment, row.algorithm) == (environment, name)]
-    else:
-        space = SPACES[name]
-        cells = [
-            row
-            for row in rows
-            if (row.environment, row.algorithm) == (environment, space.algorithm)
-            and row.config in space.on(environment)
-        ]
-    return max(cells, key=lambda row: row.area)
+    return max(searched_cells(rows, environment, name), key=lambda row: row.area)
+
+
+def searched_cells(rows: Iterable[Outcome], environment: str, name: str) -> list[Outcome]:
+    """The cells of a hybrid or of a space on a task; rows of an earlier space are none of them."""
+    space = space_of(name)
+    algorithm = name if name in PAIRS else space.algorithm
+    configs = space.on(environment)
+    return [
+        row
+        for row in rows
+        if (row.environment, row.algorithm) == (environment, algorithm) and row.config in configs
+    ]
 
 
 def all_searches() -> list[tuple[str, str]]:
@@ -322,8 +321,6 @@ def is_whole(rows: Iterable[Outcome], environment: str, name: str) -> bool:
     """Whether every cell of a hybrid or of a space has an outcome on a task."""
     rows = [row for row in rows if row.runs == len(SEEDS)]
     if name in PAIRS:
-        known = {
-            row.weights for row in rows if (row.environment, row.algorithm) == (environment, name)
-        }
+        known = {row.weights for row in searched_cells(rows, environment, name)}
         return known >= set(PAIRS[name])
     return settings_search(environment, name, rows) is None

@@ -3,11 +3,11 @@
 from collections.abc import Mapping
 from pathlib import Path
 
-from service.paper import tuning_file
-from service.paper.searched import searched
-from service.paper.tuning import SEEDS, SPACES, Outcome
+from service.paper.search import tuning_file
+from service.paper.search.searched import searched
+from service.paper.search.tuning import SEEDS, SPACES, Outcome
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[4]
 
 
 def cells(name: str, task: str, areas: Mapping[int, float]) -> list[Outcome]:

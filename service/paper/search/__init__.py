@@ -1,0 +1,1 @@
+"""The search that chooses the presets: its spaces, its table, and what it found."""
