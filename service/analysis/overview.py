@@ -30,7 +30,10 @@ TIMES = np.geomspace(0.05, 5.0, 41)
 
 @dataclass(frozen=True)
 class SharedRun:
-    """A run with its measurements [n]: shares of timesteps and of time, and normalised returns."""
+    """A run with its measurements [n]: shares of timesteps and of time, and normalised returns.
+
+    Shares of time are NaN if the reference's time on the run's machine is not known.
+    """
 
     timesteps: Floats
     time: Floats

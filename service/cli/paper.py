@@ -23,12 +23,13 @@ from service.cli.following import follow
 from service.cli.host.own_service import data_dir, own_service
 from service.cli.terminal import AsJson, console, errors, say
 from service.client import Client, ServiceError, SubmissionNotice
-from service.paper import results
+from service.paper import results, speeds
 from service.paper.evaluation import SEEDS, evaluation
 from service.paper.former import Former, former, whole_sweeps
 from service.paper.search import preset_file, tuning, tuning_file
 from service.paper.search.tuning import Outcome
 from service.paper.summary import summarized
+from service.paper.today import SHOWN
 
 app = typer.Typer(name="paper")
 
@@ -96,6 +97,22 @@ def derive(output: Output = Path("results"), as_json: AsJson = False) -> None:
     results.derive(output)
     written = list(map(str, (output / "gains.csv", *sorted(output.glob("figure-7.*")))))
     say(json.dumps({"files": written}) if as_json else f"Wrote {', '.join(written)}")
+
+
+@app.command(name="time")
+def measure_time(output: Output = Path("results"), as_json: AsJson = False) -> None:
+    """Measure ddpg's time on this processor, and add it to the folder's speeds.csv.
+
+    Do this once on each kind of machine that trains a part of the evaluation, with nothing else
+    running: figure 7 compares processor time in units of ddpg's on the same processor.
+    """
+    told, found = console_of(as_json), []
+    for speed in speeds.measure(SHOWN):
+        found.append(speed)
+        say(f"{speed.environment}: {speed.timesteps:,} timesteps take {speed.seconds:.3g} s", told)
+        speeds.write(output, found)
+    file = str(output / speeds.FILE)
+    say(json.dumps({"file": file}) if as_json else f"Wrote {file}")
 
 
 @app.command()

@@ -10,8 +10,8 @@
     seconds      processor time of training (`algorithms.measurement.Measurement.seconds`)
 
 The baseline has the settings chosen for it, which need not be the hybrid's, and the hybrid's form.
-Only pairs count of which both runs reached their end; pairs with a failed or diverged run are
-reported.
+Only pairs count of which both runs reached their end, and at equal seconds only those on equal
+processors; pairs with a failed or diverged run are reported.
 
     interval               95 % of the mean of d, percentile bootstrap over the pairs, of this task
     p                      of the sign-flip test (service.analysis.statistics.sign_flips)
@@ -134,7 +134,8 @@ def _cell(
     failed = sum(any(run.status in EARLY for run in pair) for pair in pairs)
     of = ours[0]
     for cost, spent in COSTS.items() if ended or failed else ():
-        d = np.array([_difference(spent, *pair) for pair in ended]) / unit
+        same = [(a, b) for a, b in ended if cost != "seconds" or a.processor == b.processor]
+        d = np.array([_difference(spent, *pair) for pair in same]) / unit
         d = d[np.isfinite(d)]
         wins, p = int((d > 0).sum()), sign_flip_p(d)
         at_once = sample(d, 1 - ERROR / tests)

@@ -31,6 +31,7 @@ class MeasuredRun:
         baseline: that of the learner it extends; empty for none.
         timesteps: that were asked for.
         status: how it stands.
+        processor: LLVM's name of the one it was trained on; seconds of two are not comparable.
         columns: of its measurements, each [n].
     """
 
@@ -42,6 +43,7 @@ class MeasuredRun:
     seed: int
     timesteps: int
     status: str
+    processor: str
     columns: Columns
 
 
@@ -74,6 +76,7 @@ def read_runs(folder: Path) -> list[MeasuredRun]:
                 seed,
                 int(line["timesteps"]),
                 line["status"],
+                line["processor"],
                 measured[file].get((weights, seed), NOTHING),
             )
         )

@@ -33,7 +33,7 @@ from service.api.schemas.curves_answer import RandomReturnAnswer
 from service.api.schemas.run_answer import RunAnswer
 from service.api.schemas.sweep_answer import SweepAnswer
 from service.client import Client, ServiceError
-from service.paper import measured
+from service.paper import measured, speeds
 from service.paper.differences import gains
 from service.paper.evaluation import FIGURES, row
 from service.paper.former import NOTHING, Former
@@ -141,7 +141,7 @@ def derive(folder: Path) -> None:
     """Write the results of the files of measurements, scores and random returns."""
     runs, scales = measured.read_runs(folder), measured.read_scales(folder)
     write_gains(folder / "gains.csv", gains(runs, scales))
-    write_figure(folder, runs, scales)
+    write_figure(folder, runs, scales, speeds.slowness(folder))
 
 
 def figures_of(sweep: SweepAnswer) -> tuple[FigureNumber, ...]:

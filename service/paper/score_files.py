@@ -1,6 +1,7 @@
 """The result of every run, and the scale of its task, as files.
 
-    scores.csv          a line a run: what it was, whether it reached its end, its three scores, raw
+    scores.csv          a line a run: what it was, whether it reached its end, the processor that it
+                        was trained on (LLVM's name for it), its three scores, raw
     random-returns.csv  a line a task: random with its 95 % interval, the task's best return
 
     normalised = (score - random) / (best - random)
@@ -22,7 +23,10 @@ from service.model.environment import best_return
 
 Row = Mapping[str, str]
 
-SPEC = ("environment", "version", "algorithm", "w1", "w2", "config", "seed", "timesteps", "status")
+SPEC = (
+    *("environment", "version", "algorithm", "w1", "w2", "config", "seed", "timesteps", "status"),
+    "processor",
+)
 
 
 def write_scores(
@@ -32,8 +36,9 @@ def write_scores(
 
     The lines of `former` runs are written first, unchanged.
     """
+    header = (*SPEC, *SCORES)
     lines = ((*_spec(run), *_scores(run, rows)) for run, rows in measured)
-    _write(file, (*SPEC, *SCORES), [*(list(line.values()) for line in former), *lines])
+    _write(file, header, [*([line[name] for name in header] for line in former), *lines])
 
 
 def write_random_returns(
@@ -65,7 +70,9 @@ def _write(file: Path, header: Sequence[str], lines: Iterable[Sequence[object]])
 def _spec(run: RunAnswer) -> tuple[object, ...]:
     config = json.dumps(run.config, sort_keys=True)
     learner = (run.algorithm, *run.weights.pair, config)
-    return run.environment, run.environment_version, *learner, run.seed, run.timesteps, run.status
+    processor = (run.fingerprint or {}).get("processor", "")
+    asked = (run.seed, run.timesteps, run.status, processor)
+    return run.environment, run.environment_version, *learner, *asked
 
 
 def _scores(run: RunAnswer, rows: Sequence[Row]) -> Iterator[float | str]:

@@ -20,6 +20,7 @@ from service.paper.explained import explained
 from service.paper.measured import ENDED, MeasuredRun, Scale, read_runs, read_scales
 from service.paper.search import tuning_file
 from service.paper.search.searched import searched
+from service.paper.speeds import slowness
 from service.paper.today import told
 
 COST_TEXT = {"timesteps": "equal timesteps", "seconds": "equal processor time"}
@@ -32,7 +33,13 @@ def summarized(folder: Path) -> str:
     runs, scales = read_runs(folder), read_scales(folder)
     hybrids = grouped(gains(runs, scales), lambda gain: gain.algorithm)
     parts = [part for hybrid, found in hybrids.items() for part in _of_hybrid(hybrid, found)]
-    parts += [*told(runs, scales), "", *_of_robot(runs, scales), "", *explained(folder)]
+    parts += [
+        *told(runs, scales, slowness(folder)),
+        "",
+        *_of_robot(runs, scales),
+        "",
+        *explained(folder),
+    ]
     known = tuning_file.read(folder)
     return "\n".join([*parts, "", *searched(known)] if known else parts)
 

@@ -1,8 +1,9 @@
 """Figure 7: the learners of today and the hybrids, in the paper's tasks and three more.
 
 A share of the timesteps is of those that ddpg's runs have in the task; a share of the time is of
-the mean processor time of ddpg's runs there. Every learner counts with the seeds that all of them
-have, and with its runs that reached their end.
+the mean processor time of ddpg's runs there, on the same processor (service.paper.speeds); a run
+on a processor whose speed is not known has no time. Every learner counts with the seeds that all of
+them have, and with its runs that reached their end.
 """
 
 import csv
@@ -22,6 +23,7 @@ from service.analysis.statistics.score import final_score
 from service.paper import markdown
 from service.paper.evaluation import FEWER_SEEDS, MORE_TASKS, TASKS
 from service.paper.measured import EARLY, ENDED, MeasuredRun, Scale
+from service.paper.speeds import Slowness
 
 FORMS: tuple[Form, ...] = ("svg", "png")
 REFERENCE = "ddpg"
@@ -39,16 +41,20 @@ OVER_TASKS = (
 COLUMNS = ("learner", "tasks", "runs", "early", "of", "x", "value", "low", "high")
 
 
-def write_figure(folder: Path, runs: Sequence[MeasuredRun], scales: Mapping[str, Scale]) -> None:
+def write_figure(
+    folder: Path, runs: Sequence[MeasuredRun], scales: Mapping[str, Scale], slowness: Slowness
+) -> None:
     """Write figure-7 as pictures and its numbers beside them; nothing before the first run ends."""
-    found = standings(learners(runs, scales))
+    found = standings(learners(runs, scales, slowness))
     if found:
         _write_numbers(folder / "figure-7.csv", found)
         for form in FORMS:
             (folder / f"figure-7.{form}").write_bytes(today_figure.draw(found, form))
 
 
-def learners(runs: Sequence[MeasuredRun], scales: Mapping[str, Scale]) -> list[Learner]:
+def learners(
+    runs: Sequence[MeasuredRun], scales: Mapping[str, Scale], slowness: Slowness
+) -> list[Learner]:
     """Return the learners with runs at their end, in tasks where the reference has some too."""
     asked = [
         run
@@ -65,7 +71,7 @@ def learners(runs: Sequence[MeasuredRun], scales: Mapping[str, Scale]) -> list[L
         Learner(
             row,
             ended[row, own[0]][0].algorithm,
-            {t: _shared(ended[row, t], ended[REFERENCE, t], scales[t]) for t in own},
+            {t: _shared(ended[row, t], ended[REFERENCE, t], scales[t], slowness) for t in own},
             early[row],
         )
         for row, own in tasks.items()
@@ -73,9 +79,11 @@ def learners(runs: Sequence[MeasuredRun], scales: Mapping[str, Scale]) -> list[L
     ]
 
 
-def told(runs: Sequence[MeasuredRun], scales: Mapping[str, Scale]) -> Iterator[str]:
+def told(
+    runs: Sequence[MeasuredRun], scales: Mapping[str, Scale], slowness: Slowness
+) -> Iterator[str]:
     """Yield the lines of two tables in Markdown: over all tasks, and the returns in each."""
-    asked = learners(runs, scales)
+    asked = learners(runs, scales, slowness)
     yield "## The learners of today\n"
     yield from markdown.head("learner", *OVER_TASKS)
     for learner, standing in zip(asked, standings(asked), strict=True):
@@ -94,7 +102,8 @@ def _over_tasks(learner: Learner, standing: Standing) -> Iterator[str]:
         yield _estimated(*(_at_one(line, y) for y in (line.mean, line.low, line.high)))
     yield _estimated(standing.rank.value, standing.rank.low, standing.rank.high, decimals=1)
     times = [np.mean([run.time[-1] for run in own]) for own in learner.runs.values()]
-    yield f"{np.median(times):.2g}"
+    median = float(np.median(times))
+    yield f"{median:.2g}" if math.isfinite(median) else "-"
 
 
 def _at_one(line: Line, values: Floats) -> float:
@@ -125,14 +134,17 @@ def _counts(run: MeasuredRun) -> bool:
 
 
 def _shared(
-    runs: Sequence[MeasuredRun], reference: Sequence[MeasuredRun], scale: Scale
+    runs: Sequence[MeasuredRun],
+    reference: Sequence[MeasuredRun],
+    scale: Scale,
+    slowness: Slowness,
 ) -> list[SharedRun]:
     timesteps = reference[0].timesteps
     seconds = np.mean([run.columns["seconds"][-1] for run in reference])
     return [
         SharedRun(
             run.columns["timestep"] / timesteps,
-            run.columns["seconds"] / seconds,
+            run.columns["seconds"] / (seconds * slowness(run, reference)),
             (run.columns["return_mean"] - scale.random) / scale.unit,
         )
         for run in runs

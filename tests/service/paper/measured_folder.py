@@ -22,6 +22,7 @@ class Runs(NamedTuple):
     config: Mapping[str, Any] = {}
     cost: float = 1.0
     statuses: Mapping[int, str] = {}
+    processor: str = "znver5"
 
 
 def write_folder(folder: Path, runs: Sequence[Runs]) -> None:
@@ -58,6 +59,7 @@ def _scores(runs: Runs) -> list[dict[str, Any]]:
             "environment": runs.environment, "version": 1, "algorithm": runs.algorithm,
             "w1": 0.0, "w2": 0.0, "config": json.dumps(dict(runs.config)), "seed": seed,
             "timesteps": STEPS[-1], "status": runs.statuses.get(seed, "succeeded"),
+            "processor": runs.processor,
             "final": runs.heights[seed], "return_history": "", "area": "",
         }
         for seed in range(len(runs.heights))

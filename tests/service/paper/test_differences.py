@@ -23,6 +23,7 @@ def run(
     environment: str = "Pendulum",
     status: str = "succeeded",
     config: str = "{}",
+    processor: str = "znver5",
 ) -> MeasuredRun:
     """A run measured every 100 timesteps, at a steady cost."""
     steps = 100.0 * np.arange(1, len(returns) + 1)
@@ -35,7 +36,8 @@ def run(
     }
     settings, extended = json.loads(config), catalogue.baseline(algorithm)
     names = row(algorithm, settings), row(extended, settings) if extended else ""
-    return MeasuredRun(environment, algorithm, *names, Weights(), seed, 1000, status, columns)
+    spec = (environment, algorithm, *names, Weights(), seed, 1000)
+    return MeasuredRun(*spec, status, processor, columns)
 
 
 def scales(unit: float, *tasks: str) -> dict[str, Scale]:
@@ -54,6 +56,14 @@ def test_equal_timesteps_compare_whole_curves() -> None:
     gain = by_cost["timesteps"]
     assert (gain.n, gain.wins, gain.mean.value) == (2, 1, -0.5)
     assert (gain.mean.low, gain.mean.high) == (-1.5, 0.5)
+
+
+def test_seconds_of_two_processors_are_not_compared() -> None:
+    runs = [run(name, seed, [1, 1]) for name in ("ddpg", "hybrid-ddpg") for seed in range(3)]
+    runs.append(run("ddpg", 3, [1, 1], processor="znver3"))
+    runs.append(run("hybrid-ddpg", 3, [1, 1]))
+    by_cost = {gain.cost: gain.n for gain in gains(runs, scales(2.0))}
+    assert by_cost == {"timesteps": 4, "evaluations": 4, "seconds": 3}
 
 
 def test_jacobians_and_seconds_count_against_the_hybrid() -> None:

@@ -16,7 +16,7 @@ def run(seed: int, status: RunStatus = RunStatus.SUCCEEDED) -> RunAnswer:
     return RunAnswer.model_construct(
         algorithm="hybrid-ddpg", environment="Pendulum", environment_version=1, seed=seed,
         weights=WeightsAnswer(w1=1.0, w2=0.01), config={"noise": 0.2}, timesteps=1600,
-        status=status,
+        status=status, fingerprint={"processor": "znver5"} if status.is_final else None,
     )  # fmt: skip
 
 
@@ -40,7 +40,8 @@ def test_a_run_has_its_three_scores_raw(tmp_path: Path) -> None:
     assert line == {
         "environment": "Pendulum", "version": "1", "algorithm": "hybrid-ddpg", "w1": "1.0",
         "w2": "0.01", "config": '{"noise": 0.2}', "seed": "0", "timesteps": "1600",
-        "status": "succeeded", "final": "-1.0", "return_history": "-2.0", "area": "-2.0",
+        "status": "succeeded", "processor": "znver5",
+        "final": "-1.0", "return_history": "-2.0", "area": "-2.0",
     }  # fmt: skip
 
 

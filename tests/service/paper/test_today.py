@@ -7,8 +7,9 @@ import pytest
 
 from service.paper.evaluation import SWEEPS, row
 from service.paper.results import derive
+from service.paper.summary import summarized
 from service.paper.today import ROWS
-from tests.service.paper.measured_folder import Runs, write_folder
+from tests.service.paper.measured_folder import Runs, write, write_folder
 
 
 def numbers(folder: Path) -> dict[tuple[str, str, str], tuple[float, int, int]]:
@@ -46,6 +47,26 @@ def test_it_is_drawn_from_the_files(tmp_path: Path) -> None:
     assert ranks == {"ddpg": 1.5, "shac": 1.0}, "alone on Acrobot ddpg is the first"
     assert (tmp_path / "figure-7.png").read_bytes().startswith(b"\x89PNG")
     assert b"mean rank" in (tmp_path / "figure-7.svg").read_bytes()
+
+
+def test_time_is_in_units_of_ddpgs_on_the_same_processor(tmp_path: Path) -> None:
+    """On the slow one ddpg takes twice its time: shac there takes 3 of its units."""
+    write_folder(tmp_path, [
+        Runs("Pendulum", "ddpg", [4.0] * 2),
+        Runs("Pendulum", "shac", [8.0] * 2, cost=6.0, processor="slow"),
+        Runs("Pendulum", "ppo", [8.0] * 2, processor="of unknown speed"),
+    ])  # fmt: skip
+    write(tmp_path / "speeds.csv", [
+        {"processor": "slow", "environment": "Pendulum", "timesteps": 4000, "seconds": 1.0}
+    ])  # fmt: skip
+    derive(tmp_path)
+    time = "interquartile mean by time"
+    found = {(label, x): v for (label, of, x), (v, *_) in numbers(tmp_path).items() if of == time}
+    assert {label for label, _ in found} == {"ddpg", "shac"}
+    x, value = next((float(x), v) for (label, x), v in found.items() if label == "shac")
+    assert value == pytest.approx(0.8 * x / 3.0, abs=1e-3)
+    [over_tasks] = [text for text in summarized(tmp_path).split("\n\n") if "mean rank" in text]
+    assert [line.split(" | ")[-1] for line in over_tasks.splitlines()[2:]] == ["1 |", "- |", "3 |"]
 
 
 def test_seeds_beyond_the_sixteenth_and_runs_that_failed_do_not_count(tmp_path: Path) -> None:
