@@ -50,8 +50,7 @@ def test_an_evaluation_is_taken_up_and_written(
         "environments": ["Pendulum"],
     }
     soft = {**evaluation.SOFT, "environments": ["Pendulum"]}
-    learned = {"name": "sac", "config": {"temperature": "learned"}}
-    today = {**evaluation.MORE_SOFT, "environments": ["Pendulum"], "algorithms": [learned]}
+    today = {**evaluation.LEARNED, "environments": ["Pendulum"]}
     monkeypatch.setattr(evaluation, "SWEEPS", (one_task, evaluation.CRITIC, soft, today))
     store.record_random_return(random_return("Pendulum", RANDOM))
     (of_before := tmp_path / "figure-4.png").write_bytes(b"of an evaluation before this one")
