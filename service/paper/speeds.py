@@ -48,8 +48,7 @@ def slowness(folder: Path) -> Slowness:
     known = {(speed.processor, speed.environment): speed for speed in read(folder)}
 
     def of(run: MeasuredRun, reference: Sequence[MeasuredRun]) -> float:
-        own = [each for each in reference if each.processor == run.processor]
-        if len(own) == len(reference):
+        if all(each.processor == run.processor for each in reference):
             return 1.0
         speed = known.get((run.processor, run.environment))
         return speed.seconds / _seconds(reference, speed.timesteps) if speed else nan

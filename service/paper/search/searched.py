@@ -19,6 +19,7 @@ from service.paper.search.tuning import (
     all_searches,
     best,
     is_whole,
+    searched_cells,
 )
 
 HYBRIDS = ("hybrid-ddpg-robust", "hybrid-td3")
@@ -60,9 +61,7 @@ def _gain(rows: Sequence[Outcome], hybrid: str, task: str) -> str:
 def _area(rows: Sequence[Outcome], task: str, algorithm: str, setting: dict[str, object]) -> float:
     [area] = [
         row.area
-        for row in rows
-        if (row.environment, row.algorithm) == (task, algorithm)
-        and row.config == setting
-        and row.weights == SPACES[algorithm].weights
+        for row in searched_cells(rows, task, algorithm)
+        if row.config == setting and row.weights == SPACES[algorithm].weights
     ]
     return area
