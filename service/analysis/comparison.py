@@ -12,6 +12,7 @@ from typing import Literal, TypeVar
 import numpy as np
 
 from service.analysis.curves import Band, Curve, Floats, Series, aggregate
+from service.model.processor import are_comparable
 from service.model.request.entry import Entries, Entry
 from service.model.run import RunStatus, unfinished
 from service.model.run_curve import RETURNS, RunCurve
@@ -114,12 +115,16 @@ class Panel:
 
 @dataclass(frozen=True)
 class Comparison:
-    """A sweep seen through a view; `entries` are all of its request's, shown or not."""
+    """A sweep seen through a view; `entries` are all of its request's, shown or not.
+
+    `processors` are those that trained runs of the view.
+    """
 
     view: View
     entries: tuple[Entry, ...]
     panels: tuple[Panel, ...]
     is_interpolated: bool
+    processors: tuple[str, ...] = ()
 
 
 def compare(
@@ -147,7 +152,8 @@ def compare(
         ]
         panels.append(Panel(environment, zero, tuple(curves)))
     is_interpolated = any(c.curve.is_interpolated for panel in panels for c in panel.curves)
-    return Comparison(view, tuple(entries.all), tuple(panels), is_interpolated)
+    processors = sorted({run.processor for run in shown if len(run.x)})
+    return Comparison(view, tuple(entries.all), tuple(panels), is_interpolated, tuple(processors))
 
 
 def definition(comparisons: Sequence[Comparison]) -> str:
@@ -167,6 +173,7 @@ def definition(comparisons: Sequence[Comparison]) -> str:
     sentences.extend(filter(None, [_cut_short(comparisons[0])]))
     if view.x == "seconds":
         sentences.append(SECONDS_TEXT)
+        sentences.extend(filter(None, [_unequal(comparisons[0].processors)]))
     if any(each.is_interpolated for each in comparisons):
         sentences.append(
             f"Runs were measured at different {view.x}: each is interpolated linearly between "
@@ -183,6 +190,16 @@ def _cut_short(comparison: Comparison) -> str:
         return ""
     told = ", ".join(f"{number} {status}" for status, number in short.items())
     return f"Runs that did not reach their end ({told}) count as far as they were measured."
+
+
+def _unequal(processors: Sequence[str]) -> str:
+    """Say which processors trained the runs, unless all of their seconds can be compared."""
+    if all(are_comparable(processors[0], each) for each in processors):
+        return ""
+    told = ", ".join(each or "not known" for each in processors)
+    return (
+        f"Processors that trained these runs: {told}; seconds of two processors differ in length."
+    )
 
 
 def scale(zero: RandomReturn | None, best_return: float) -> tuple[float, float]:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from service.model.processor import UNKNOWN
 from service.model.run import RunStatus
 from workers.messages.run_spec import RunSpec
 
@@ -16,9 +17,10 @@ RETURNS = ("return_mean", "return_history")
 class RunCurve:
     """One metric of one run over one abscissa, in order of timestep.
 
-    x       float64 [n]
-    values  float64 [n], NaN and infinities as they were measured
-    entry   the place of its entry among those of its sweep
+    x          float64 [n]
+    values     float64 [n], NaN and infinities as they were measured
+    processor  that trained it (service.model.processor)
+    entry      the place of its entry among those of its sweep
     """
 
     run_id: str
@@ -27,4 +29,5 @@ class RunCurve:
     status: RunStatus
     x: NDArray[np.float64]
     values: NDArray[np.float64]
+    processor: str = UNKNOWN
     entry: int = 0

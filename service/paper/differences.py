@@ -35,6 +35,7 @@ from service.analysis.statistics.paired_difference import area_gained
 from service.analysis.statistics.sample import Sample, sample
 from service.analysis.statistics.sign_flips import sign_flip_p
 from service.analysis.statistics.stratified_bootstrap import Estimate, draw_counts, estimate
+from service.model.processor import are_comparable
 from service.paper.evaluation import MORE_TASKS, TASKS
 from service.paper.measured import EARLY, ENDED, Columns, MeasuredRun, Scale
 from workers.messages.run_spec import NO_WEIGHTS, Weights
@@ -134,7 +135,11 @@ def _cell(
     failed = sum(any(run.status in EARLY for run in pair) for pair in pairs)
     of = ours[0]
     for cost, spent in COSTS.items() if ended or failed else ():
-        same = [(a, b) for a, b in ended if cost != "seconds" or a.processor == b.processor]
+        same = [
+            (a, b)
+            for a, b in ended
+            if cost != "seconds" or are_comparable(a.processor, b.processor)
+        ]
         d = np.array([_difference(spent, *pair) for pair in same]) / unit
         d = d[np.isfinite(d)]
         wins, p = int((d > 0).sum()), sign_flip_p(d)

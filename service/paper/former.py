@@ -59,12 +59,13 @@ def whole_sweeps(
 ) -> list[Request]:
     """Return those sweeps that are complete in a folder."""
     evidence = _provenance(folder)
+    scores = list(lines(folder / "scores.csv")) if evidence else []
     return [
         request
         for request in requests
         if _has_ended(evidence.get(request["name"]), request)
         and (any_code or _codes(evidence[request["name"]]) == {code_hash()})
-        and {_learner_of(line) for line in _scores(folder, [request])} <= set(_learners(request))
+        and {_learner_of(line) for line in _of(scores, [request])} <= set(_learners(request))
     ]
 
 
@@ -79,15 +80,15 @@ def former(folder: Path, requests: Sequence[Request]) -> Former:
     return Former(
         {name: evidence[name] for name in names},
         {name: found for name, found in statistics.items() if name in names},
-        _scores(folder, requests),
+        _of(lines(folder / "scores.csv"), requests),
         [line for line in lines(folder / "random-returns.csv") if line["environment"] in tasks],
     )
 
 
-def _scores(folder: Path, requests: Iterable[Request]) -> list[Line]:
-    """Return the lines of scores.csv of the tasks and rows of some sweeps; no two share one."""
+def _of(scores: Iterable[Line], requests: Iterable[Request]) -> list[Line]:
+    """Return the lines of the tasks and rows of some sweeps; no two sweeps share one."""
     cells = {(each.environment, each.row) for request in requests for each in _learners(request)}
-    found = ((line, _learner_of(line)) for line in lines(folder / "scores.csv"))
+    found = ((line, _learner_of(line)) for line in scores)
     return [line for line, of in found if (of.environment, of.row) in cells]
 
 

@@ -20,6 +20,7 @@ from service.analysis.statistics.score import SCORES
 from service.api.schemas.curves_answer import RandomReturnAnswer
 from service.api.schemas.run_answer import RunAnswer
 from service.model.environment import best_return
+from service.model.processor import processor_of
 
 Row = Mapping[str, str]
 
@@ -70,8 +71,7 @@ def _write(file: Path, header: Sequence[str], lines: Iterable[Sequence[object]])
 def _spec(run: RunAnswer) -> tuple[object, ...]:
     config = json.dumps(run.config, sort_keys=True)
     learner = (run.algorithm, *run.weights.pair, config)
-    processor = (run.fingerprint or {}).get("processor", "")
-    asked = (run.seed, run.timesteps, run.status, processor)
+    asked = (run.seed, run.timesteps, run.status, processor_of(run.fingerprint))
     return run.environment, run.environment_version, *learner, *asked
 
 

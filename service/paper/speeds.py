@@ -17,6 +17,7 @@ import numpy as np
 import algorithms
 from algorithms.measurement import MEASURE_EVERY
 from algorithms.presets import preset
+from service.model.processor import are_comparable
 from service.paper.evaluation import FEWER_SEEDS
 from service.paper.measured import MeasuredRun, lines
 from workers.training.fingerprint import fingerprint
@@ -48,7 +49,7 @@ def slowness(folder: Path) -> Slowness:
     known = {(speed.processor, speed.environment): speed for speed in read(folder)}
 
     def of(run: MeasuredRun, reference: Sequence[MeasuredRun]) -> float:
-        if all(each.processor == run.processor for each in reference):
+        if all(are_comparable(each.processor, run.processor) for each in reference):
             return 1.0
         speed = known.get((run.processor, run.environment))
         return speed.seconds / _seconds(reference, speed.timesteps) if speed else nan

@@ -52,6 +52,7 @@ def run_curve(
 ) -> RunCurve:
     """A succeeded run measured at 800, 1600, ..."""
     status = fields.pop("status", RunStatus.SUCCEEDED)
+    processor = fields.pop("processor", "znver5")
     return RunCurve(
         entry=fields.pop("entry", 0),
         run_id=fields.pop("run_id", f"{algorithm}-{environment}-{seed}"),
@@ -59,5 +60,6 @@ def run_curve(
         environment_version=1,
         status=status,
         x=np.array([800.0 * (k + 1) for k in range(len(values))]),
+        processor=processor,
         values=np.array(values, np.float64),
     )

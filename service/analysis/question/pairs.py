@@ -9,7 +9,8 @@
 A score outside [0, 1] counts as the nearer of both: a run that is worse than acting at random is as
 bad as that. So does a run that diverged, and one with a score that is not finite: they are what the
 algorithm does. A run that failed or was cancelled says nothing of its algorithm, and its pair is
-left out. Differences beyond -clip and clip count as those.
+left out; for seconds, so is a pair that two kinds of processors trained. Differences beyond -clip
+and clip count as those.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -22,22 +23,28 @@ from service.analysis.comparison import grouped, scale
 from service.analysis.curves import Floats
 from service.analysis.statistics.score import SCORES, Scored
 from service.model.inquiry.question import Question
+from service.model.processor import are_comparable
 from service.model.request.entry import Entries
 from service.model.run import RunStatus
 from service.model.run_curve import RunCurve
 from workers.messages.random_return import RandomReturn
 
 COUNTED = (RunStatus.SUCCEEDED, RunStatus.DIVERGED)
+Pair = tuple[RunCurve, RunCurve]
 
 
 @dataclass(frozen=True)
 class Counts:
-    """Of the pairs until a look: those that count, those that are left out, runs that diverged."""
+    """Of the pairs until a look: those that count, those that are left out, runs that diverged.
+
+    unequal  of those left out, how many are for their processors alone
+    """
 
     n: int = 0
     left_out: int = 0
     ours_diverged: int = 0
     theirs_diverged: int = 0
+    unequal: int = 0
 
 
 @dataclass(frozen=True)
@@ -107,13 +114,14 @@ def _pairs(
     looks = range(1, question.looks + 1) if is_known else ()
     ended = list(takewhile(lambda look: _have_ended(runs, question, look), looks))
     pairs = [(runs[0][s], runs[1][s]) for s in question.seeds(ended[-1])] if ended else []
-    differences = [_difference(*pair, unit, question) for pair in pairs if _counts(pair)]
+    counted = [pair for pair in pairs if _counts(pair, question)]
+    differences = [_difference(*pair, unit, question) for pair in counted]
     return Pairs(
         environment=environment,
         label=label,
         place=place,
         differences=np.clip(np.array(differences, np.float64), -question.clip, question.clip),
-        looks=tuple(_counted(pairs[: len(question.seeds(look))]) for look in ended),
+        looks=tuple(_counted(pairs[: len(question.seeds(look))], question) for look in ended),
     )
 
 
@@ -125,16 +133,27 @@ def _have_ended(
     )
 
 
-def _counts(pair: Sequence[RunCurve]) -> bool:
+def _counts(pair: Pair, question: Question) -> bool:
+    return _are_told(pair) and not _is_unequal(pair, question)
+
+
+def _are_told(pair: Pair) -> bool:
     return all(run.status in COUNTED for run in pair)
 
 
-def _counted(pairs: Sequence[Sequence[RunCurve]]) -> Counts:
-    n = sum(map(_counts, pairs))
+def _is_unequal(pair: Pair, question: Question) -> bool:
+    is_of_seconds = question.threshold is not None
+    return is_of_seconds and not are_comparable(*(run.processor for run in pair))
+
+
+def _counted(pairs: Sequence[Pair], question: Question) -> Counts:
+    told = [pair for pair in pairs if _are_told(pair)]
+    unequal = sum(_is_unequal(pair, question) for pair in told)
+    n = len(told) - unequal
     ours, theirs = (
         sum(pair[side].status is RunStatus.DIVERGED for pair in pairs) for side in (0, 1)
     )
-    return Counts(n, len(pairs) - n, ours, theirs)
+    return Counts(n, len(pairs) - n, ours, theirs, unequal)
 
 
 def _difference(

@@ -31,10 +31,16 @@ def sentence(answer: Answer, question: Question) -> str:
         case Outcome.STALLED:
             return (
                 f"stopped after {_seeds(answer.seeds)}: no pair of the last batch can be compared, "
-                "because runs failed or were cancelled; retry them"
+                f"because {_why_left_out(question)}"
             )
         case _:
             return _undecided(answer, question)
+
+
+def _why_left_out(question: Question) -> str:
+    if question.threshold is None:
+        return "runs failed or were cancelled; retry them"
+    return "runs failed, were cancelled or had different processors; retry them on equal ones"
 
 
 def _undecided(answer: Answer, question: Question) -> str:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from sqlalchemy import Connection, Row, Select, case, func, literal, select
 
+from service.model.processor import processor_of
 from service.model.run import FINAL, RunStatus
 from service.model.run_curve import RunCurve
 from service.model.run_name import RunName
@@ -159,5 +160,6 @@ def _run(row: Row[Any], sweep_id: str) -> Callable[[Floats, Floats], RunCurve]:
         spec_of(row),
         row.environment_version,
         RunStatus(row.status),
+        processor=processor_of(row.fingerprint),
         entry=row.entry,
     )

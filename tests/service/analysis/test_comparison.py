@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from service.analysis import comparison
-from service.analysis.comparison import Comparison, View, compare
+from service.analysis.comparison import Comparison, View, compare, definition
 from tests.service.scored import ByAlgorithm, run_curve
 
 VIEW = View("return_mean", normalized=False, band="std", x="timesteps", max_points=500)
@@ -48,6 +48,15 @@ def test_all_lines_together_have_a_limited_number_of_points(
     lengths = {len(one.curve.x) for panel in compared(view).panels for one in panel.curves}
     assert max(lengths) <= points
     assert max(lengths) > points / 2
+
+
+def test_seconds_of_several_processors_are_told() -> None:
+    of_seconds = replace(VIEW, x="seconds")
+    assert "Processors" not in definition([compared(of_seconds)])
+    runs = [*RUNS[1:], replace(RUNS[0], processor="znver3")]
+    for view, is_told in ((of_seconds, True), (VIEW, False)):
+        found = definition([compare(runs, ByAlgorithm(runs), view, {}, lambda _: 0.0)])
+        assert ("trained these runs: znver3, znver5; seconds" in found) == is_told
 
 
 def test_a_line_has_two_points_at_least(monkeypatch: pytest.MonkeyPatch) -> None:

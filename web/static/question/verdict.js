@@ -103,9 +103,11 @@ class Comparison {
  * @param {Api.Comparison} comparison
  * @returns {string}
  */
-function rest({ n, left_out: leftOut, diverged, diverged_against: theirs, confidence, forecast }) {
+function rest({ n, left_out, unequal, diverged, diverged_against: theirs, confidence, forecast }) {
   const parts = [`${counted(n, "pair")}, interval of ${(100 * confidence).toFixed(1)} %`];
-  if (leftOut > 0) parts.push(`${counted(leftOut, "pair")} left out: runs failed or were cancelled`);
+  const lost = left_out - unequal;
+  if (lost > 0) parts.push(`${counted(lost, "pair")} left out: runs failed or were cancelled`);
+  if (unequal > 0) parts.push(`${counted(unequal, "pair")} left out: different processors`);
   if (diverged + theirs > 0) parts.push(`${diverged} of ours and ${theirs} of theirs diverged`);
   if (forecast !== null) parts.push(`power ${percent(forecast.power)} within the budget`);
   return parts.join("; ");

@@ -66,7 +66,12 @@ class ComparisonAnswer(BaseModel):
     sentence: str
     seeds: int = Field(description="Seeds that the outcome is based on.")
     n: int = Field(description="Pairs that count.")
-    left_out: int = Field(description="Pairs with a run that failed or was cancelled.")
+    left_out: int = Field(
+        description="Pairs with a run that failed or was cancelled, and those of `unequal`."
+    )
+    unequal: int = Field(
+        description="Pairs whose seconds cannot be compared: different processors trained them."
+    )
     diverged: int = Field(description="Runs of `label` that diverged.")
     diverged_against: int = Field(description="Runs of `against` that diverged.")
     confidence: float = Field(description="Confidence of `low` and `high` by themselves.")
@@ -90,6 +95,7 @@ class ComparisonAnswer(BaseModel):
             seeds=answer.seeds,
             n=sum(each.n for each in counts),
             left_out=sum(each.left_out for each in counts),
+            unequal=sum(each.unequal for each in counts),
             diverged=sum(each.ours_diverged for each in counts),
             diverged_against=sum(each.theirs_diverged for each in counts),
             confidence=1 - 2 * answer.level,
@@ -131,6 +137,7 @@ class VerdictAnswer(BaseModel):
                             "seeds": 24,
                             "n": 24,
                             "left_out": 0,
+                            "unequal": 0,
                             "diverged": 0,
                             "diverged_against": 0,
                             "confidence": 0.95,

@@ -9,6 +9,7 @@ import pytest
 
 from service.analysis.question.pairs import Counts, Pairs, all_pairs
 from service.model.inquiry.question import Question
+from service.model.processor import UNKNOWN
 from service.model.run import RunStatus
 from service.model.run_curve import RunCurve
 from tests.service.scored import ByAlgorithm, run_curve
@@ -105,6 +106,21 @@ def test_seconds_are_compared_as_the_share_that_is_saved() -> None:
         run(OURS, 3, [0.9]), run(THEIRS, 3, [0.9], status=RunStatus.DIVERGED),
     ]  # fmt: skip
     assert pairs_of(runs, question)[0].differences == pytest.approx([0.5, 0.0, -1.0, 1.0])
+
+
+@pytest.mark.parametrize("other", ["znver3", UNKNOWN])
+def test_seconds_of_two_processors_are_left_out(other: str) -> None:
+    """A worker on a faster machine does not make its learner better."""
+    runs = [
+        *both(0, 0.9, 0.9, processor=other),
+        *both(1, 0.9, 0.9),
+        *both(2, 0.9, 0.9, ours_processor="znver3", processor="znver3"),
+        *both(3, 0.9, 0.9, processor=other, status=RunStatus.FAILED),
+    ]
+    of_seconds = replace(QUESTION, score="seconds to 0.5", first=(0, 1, 2, 3))
+    assert pairs_of(runs, of_seconds)[0].looks == (Counts(2, 2, unequal=1),)
+    of_returns = replace(QUESTION, first=(0, 1, 2, 3))
+    assert pairs_of(runs, of_returns)[0].looks == (Counts(3, 1),)
 
 
 def test_an_entry_is_compared_in_the_tasks_that_it_runs_in() -> None:

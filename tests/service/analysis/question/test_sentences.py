@@ -56,6 +56,13 @@ def test_one_sentence_a_comparison(found: Answer, said: str) -> None:
     assert sentence(found, QUESTION) == said
 
 
+def test_seconds_also_stop_at_runs_of_different_processors() -> None:
+    stalled = answer(Outcome.STALLED, -0.03, 0.11)
+    assert sentence(stalled, replace(QUESTION, score="seconds to 0.9")).endswith(
+        "because runs failed, were cancelled or had different processors; retry them on equal ones"
+    )
+
+
 def test_a_sentence_for_a_paper_has_method_numbers_and_correction() -> None:
     answers = (answer(Outcome.BETTER, 0.05, 0.11), answer(Outcome.OPEN, -0.03, 0.11))
     text = paper_sentence(Verdict(replace(QUESTION, clip=0.25), answers, is_settled=True))

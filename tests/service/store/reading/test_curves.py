@@ -47,6 +47,15 @@ def test_curves_are_columns_of_every_run(store: Store, submit: Submit) -> None:
         store.curves(sweep.id, ["return_mean"], "days")
 
 
+def test_curves_have_the_processor_of_their_run(store: Store, submit: Submit) -> None:
+    sweep = submit(seeds=2)
+    claim = store.claim_cohort("w", LEASE, 1)
+    assert claim is not None
+    store.record(claim, Progress(0, fingerprint={"processor": "znver5"}))
+    [curves] = store.curves(sweep.id, ["return_mean"], "seconds")
+    assert [curve.processor for curve in curves] == ["znver5", ""]
+
+
 def test_runs_may_measure_different_diagnostics(store: Store, submit: Submit) -> None:
     sweep = submit(seeds=2)
     claim = store.claim_cohort("w", LEASE)
