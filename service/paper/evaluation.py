@@ -122,7 +122,13 @@ MORE_SOFT: Mapping[str, Any] = {
 
 LEARNED: Mapping[str, Any] = {
     "name": "today: soft actor-critic with a learned temperature",
-    "algorithms": [{"name": "sac", "config": {"temperature": "learned"}}],
+    "algorithms": [
+        {
+            "name": "sac",
+            "label": "sac with learned temperature",
+            "config": {"temperature": "learned"},
+        },
+    ],
     "environments": TASKS,
     "seeds": FEWER_SEEDS,
 }

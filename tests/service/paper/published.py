@@ -105,6 +105,5 @@ def scores(cell: Cell, score: str) -> Floats:
 
 def cell(environment: str, label: str) -> Cell:
     """Return the only cell of a learner, by its label in a sweep, in a task."""
-    learner = LEARNED if label == 'sac temperature="learned"' else label
-    [found] = [each for each in runs() if each[:2] == (environment, learner)]
+    [found] = [each for each in runs() if each[:2] == (environment, label)]
     return found

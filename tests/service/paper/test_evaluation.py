@@ -8,8 +8,18 @@ from algorithms import catalogue
 from algorithms.presets import preset
 from service.api.schemas.requests.sweep_request import SweepRequest
 from service.api.submission.plan import plan as plan_in
+from service.model.request.entry import Entries
 from service.model.request.plan import Plan
-from service.paper.evaluation import COMPARISON, MORE_TASKS, SEEDS, SOFT, TASKS, evaluation, row
+from service.paper.evaluation import (
+    COMPARISON,
+    MORE_TASKS,
+    SEEDS,
+    SOFT,
+    SWEEPS,
+    TASKS,
+    evaluation,
+    row,
+)
 from service.paper.search import tuning
 
 WORKER_MEMORY = 16 * 2**30
@@ -91,3 +101,10 @@ def test_a_form_has_a_row_of_its_own() -> None:
     assert row("sac", {"reward_scale": 3.0}) == row("sac", {"temperature": "fixed"}) == "sac"
     assert row("sac", {"temperature": "learned", "rate": 0.001}) == "sac with learned temperature"
     assert row("hybrid-sac", {"temperature": "learned"}) == "hybrid-sac with learned temperature"
+
+
+def test_a_learner_goes_by_the_name_of_its_row_in_the_figures_of_its_sweep() -> None:
+    for sweep in SWEEPS:
+        for algorithm, entry in zip(sweep["algorithms"], Entries(sweep).all, strict=False):
+            if not isinstance(algorithm.get("weights"), list):
+                assert entry.label == row(algorithm["name"], algorithm.get("config", {}))

@@ -353,7 +353,7 @@ def statistics(request: pytest.FixtureRequest) -> Mapping[str, Any]:
 def asked(request: Mapping[str, Any]) -> dict[str, list[str]]:
     """The tasks that each label was to run in."""
     return {
-        algorithm["name"] + (' temperature="learned"' if algorithm.get("config") else ""): (
+        algorithm.get("label", algorithm["name"]): (
             algorithm.get("environments") or request["environments"]
         )
         for algorithm in request["algorithms"]
