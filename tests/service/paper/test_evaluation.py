@@ -105,6 +105,6 @@ def test_a_form_has_a_row_of_its_own() -> None:
 
 def test_a_learner_goes_by_the_name_of_its_row_in_the_figures_of_its_sweep() -> None:
     for sweep in SWEEPS:
-        for algorithm, entry in zip(sweep["algorithms"], Entries(sweep).all, strict=False):
-            if not isinstance(algorithm.get("weights"), list):
-                assert entry.label == row(algorithm["name"], algorithm.get("config", {}))
+        for entry in Entries(sweep).all:
+            if not isinstance(sweep["algorithms"][entry.item].get("weights"), list):
+                assert entry.label == row(entry.algorithm, entry.config)
